@@ -30,7 +30,19 @@ from gcodesim.processes.sheet import Sheet
 from gcodesim.processes.signal import Signal, signals_read_by
 from gcodesim.scene import WORK, Body, Mover, Scene, Stand
 from gcodesim.scene.coated import Coated, Shading
-from gcodesim.solids import Box, Cylinder, Hulls, Mesh, MeshError, MeshFile, Placed, Solid, read_mesh, triangles_of
+from gcodesim.solids import (
+    Box,
+    Cylinder,
+    Hulls,
+    Mesh,
+    MeshError,
+    MeshFile,
+    Placed,
+    Solid,
+    read_mesh,
+    room_of,
+    triangles_of,
+)
 from gcodesim.solids.mesh_file import Triangles
 from gcodesim.tools.body import STEEL_DENSITY
 from gcodesim.units import MM, RPM
@@ -348,16 +360,21 @@ def with_stock(shop: Shop) -> tuple[Shop, list[Diagnostic]]:
     stocks: dict[str, PlacedStock] = {}
     stands: dict[str, Stand] = {}
     findings = [*_undrawn(shop), *_idle_on_lathe(shop)]
+    fresh: dict[str, Stock] = {}
     for name, spec in shop.cell.stocks.items():
         made = _stock(shop, name, spec)
         if isinstance(made, Diagnostic):
             findings.append(made)
-            continue
+        else:
+            fresh[name] = made
+    findings += [*_fitted(shop, fresh), *_apart(shop)]
+    for name, made in fresh.items():
+        spec = shop.cell.stocks[name]
         material = shop.cell.material(spec)
         if material is None and made.material:
             material = _material_named(shop.cell, made.material)
         frame = f"{STOCK}/{name}"
-        X_WS = shop.placement.stocks[name] if name in shop.placement.stocks else shop.scene.at_rest(frame)
+        X_WS = _rest_of(shop, name)
         if not shop.mover.lathe:
             made = _upright(shop, made, X_WS)
         turn = Pose(np.zeros(3), made.turn)
@@ -368,6 +385,62 @@ def with_stock(shop: Shop) -> tuple[Shop, list[Diagnostic]]:
         )
     stocked = replace(shop, stocks=stocks, scene=shop.scene.with_frames(stands))
     return replace(stocked, coated=_coated(stocked)), findings
+
+
+def _rest_of(shop: Shop, name: str) -> Pose:
+    """Where a stock is at the start, in the world."""
+    return shop.placement.stocks[name] if name in shop.placement.stocks else shop.scene.at_rest(f"{STOCK}/{name}")
+
+
+def _fitted(shop: Shop, fresh: Mapping[str, Stock]) -> list[Diagnostic]:
+    """Take the room of each part out of the stock that it is inside of, and out of the parts before it there.
+
+    GS413 for a part that takes nothing of them. What an earlier run left has its holes already.
+    """
+    findings: list[Diagnostic] = []
+    specs = shop.cell.stocks
+    for name, spec in specs.items():
+        solid = solid_of(spec.shape)
+        if spec.inside is None or solid is None or name not in fresh:
+            continue
+        from gcodesim.material.embedded import take_out
+
+        room, taken = room_of(solid), 0.0
+        for other in fresh:
+            if other == name:
+                break
+            if spec.inside in (other, specs[other].inside) and solid_of(specs[other].shape) is not None:
+                points = (_rest_of(shop, other).inverse() @ _rest_of(shop, name)).apply(room.points)
+                taken += take_out(fresh[other], points, room.faces)
+        if taken <= 0.0:
+            findings.append(
+                Diagnostic(
+                    code="GS413",
+                    span=shop.cell.span("stock", name),
+                    message=f"`{name}` is not inside of `{spec.inside}`: no place is common to them",
+                    hint="look at `xyz`, which counts from the frame of that stock",
+                )
+            )
+    return findings
+
+
+def _apart(shop: Shop) -> list[Diagnostic]:
+    """GS931 for each tool that does not see the parts of a stock together."""
+    name = next((name for name, spec in shop.cell.stocks.items() if spec.inside is not None), None)
+    if name is None:
+        return []
+    from gcodesim.processes import PROCESSES
+
+    return [
+        Diagnostic(
+            code="GS931",
+            span=shop.cell.span("tools", number),
+            message=f"{tool.name} acts on each part of `{shop.cell.stocks[name].inside}` as if it were alone",
+            hint="give it a stock without parts",
+        )
+        for number, tool in sorted(shop.cell.tools.items())
+        if any(kind == "extrusion" or hasattr(PROCESSES[kind], "dose") for kind in tool.processes)
+    ]
 
 
 def _coated(shop: Shop) -> dict[str, Coated]:

@@ -7,6 +7,7 @@ from importlib.util import find_spec
 from typing import Final
 
 from gcodesim.canon.systems import SYSTEMS, system_index, system_name
+from gcodesim.cell.assembly import with_parts
 from gcodesim.cell.cell import FORMAT, MAIN, Cell
 from gcodesim.cell.channel import Channel
 from gcodesim.cell.externals import External, check_words, with_externals
@@ -39,6 +40,7 @@ def resolve(cell: Cell, to: Reading) -> Cell:
             f"format {cell.gcodesim} of cells is not known",
             f"write `gcodesim: {FORMAT}`",
         )
+    cell = replace(cell, stocks=with_parts(cell.stocks, to))
     cell = with_externals(cell, to)
     cell = _with_frames(cell, to)
     cell = _with_channels(cell, to)

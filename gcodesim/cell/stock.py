@@ -12,6 +12,7 @@ from gcodesim.cell.film import FilmSpec
 from gcodesim.cell.leftover import Leftover, leftover
 from gcodesim.cell.mesh_size import MESH_SUFFIXES, bounds
 from gcodesim.cell.placing import POINT, Place, names_of
+from gcodesim.declarations.composed import ListOf
 from gcodesim.declarations.file_kind import File, FileValue
 from gcodesim.declarations.keys import all_keys, inline, key
 from gcodesim.declarations.kind import Json, Kind, Range, scalar, short
@@ -364,6 +365,14 @@ class Tailstock:
 
 
 @frozen
+class Layer:
+    """A layer of a stock, over its whole width."""
+
+    height: float = key(Quantity("length", _SIDE), "thickness of the layer", example="2 mm")
+    material: str | None = key(_MaterialName(), "id or alias of a material", default=None)
+
+
+@frozen
 class StockSpec(ShapeKeys):
     """Material to work on. `place.frame` None: placed by the rules of `placement.py`."""
 
@@ -384,6 +393,20 @@ class StockSpec(ShapeKeys):
         Record(Tailstock, "a tailstock"), "the centre at its free end on a lathe", default=None
     )
     film: FilmSpec | None = key(FilmSpec, "how thick a coat on it has to be", default=None)
+    layers: tuple[Layer, ...] = key(
+        ListOf(Record(Layer, "a layer")),
+        "layers of other materials, from the top down; each becomes a stock `NAME_layer_1` and so on",
+        default=(),
+        quiet=True,
+    )
+    inside: str | None = key(
+        "text",
+        "the stock of which it is a part and whose place it takes, such as a screw in a plate; without `in` it stands "
+        "in the frame of that stock",
+        default=None,
+        quiet=True,
+    )
+    layer: bool = False
     shape: StockShape = field(default=Box(lower=(0.0, 0.0, 0.0), upper=(0.0, 0.0, 0.0)))
 
     def checked(self, to: Reading, path: Path) -> StockSpec | Unread:
@@ -488,11 +511,11 @@ class StockKind(Kind):
         return {"anyOf": [one, many]}
 
     def show(self, value: Any) -> Any:
-        shown = {name: _STOCK.show(stock) for name, stock in value.items()}
+        shown = {name: _STOCK.show(stock) for name, stock in value.items() if not stock.layer}
         return shown["stock"] if list(shown) == ["stock"] else shown
 
     def plain(self, value: Any) -> tuple[str, Any]:
-        return "", {name: _STOCK.plain(stock)[1] for name, stock in value.items()}
+        return "", {name: _STOCK.plain(stock)[1] for name, stock in value.items() if not stock.layer}
 
 
 @frozen(kw_only=False)

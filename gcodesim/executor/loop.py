@@ -16,6 +16,7 @@ from gcodesim.executor.made_by import passes_of
 from gcodesim.executor.pacing import Pacing
 from gcodesim.executor.part_run import PartRun
 from gcodesim.executor.record import StepRecord
+from gcodesim.executor.stock_change import add_changes
 from gcodesim.executor.track import (
     Execution,
     Inspect,
@@ -23,7 +24,6 @@ from gcodesim.executor.track import (
     Track,
     TrackPlan,
     Watcher,
-    add_volumes,
     attach,
     windows,
 )
@@ -139,7 +139,7 @@ def execute_together(
         cutter.close()
         behind.close()
     for track, cut in in_hand:  # what an interrupted run has cut ahead of its motion
-        add_volumes(track.volumes, cut.stints)
+        add_changes(track.changes, cut.stints)
     for track in tracks:
         if not interrupted:
             track.let_go_at_end()

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from gcodesim.executor.part_run import PartRun, PartsTarget
 from gcodesim.executor.signals import signals_of_rows
-from gcodesim.executor.targets import TaskTarget, targets_of
+from gcodesim.executor.targets import StockTarget, TaskTarget, targets_of
 from gcodesim.frozen import frozen
 from gcodesim.motion.tool_path import HOME, RAPID, Commanded, ToolPath
 from gcodesim.processes import PROCESSES
@@ -126,6 +126,8 @@ class Tasks:
             variant = PROCESSES[kind]
             for target in self._targets(tool, variant.acts_on):
                 process = variant.of(tool, target.material)
+                if process.laid_section and isinstance(target, StockTarget) and target.placed.spec.inside is not None:
+                    continue  # what is laid goes onto the whole stock, once; GS931 says so
                 yield Task(tool=tool, target=target, process=process, state=process.begin())
             if variant.acts_on != "stock":
                 continue

@@ -20,13 +20,13 @@ from gcodesim.executor.part_run import PartEnd, PartRun, laden
 from gcodesim.executor.probe_guard import ProbeGuard
 from gcodesim.executor.record import StepRecord, record_of
 from gcodesim.executor.stint import Stint
+from gcodesim.executor.stock_change import StockChange, add_changes
 from gcodesim.executor.switching import Switching
 from gcodesim.executor.tasks import Only, RowColumns
 from gcodesim.executor.totals import JointTotals, RowTotals
 from gcodesim.executor.window import Carry, Ints, StepWindow, first_carry, window_of
 from gcodesim.frames import Array, Pose
 from gcodesim.frozen import frozen
-from gcodesim.processes.column import ADDED, REMOVED
 from gcodesim.processes.gripping import GRIP, GripEvent
 from gcodesim.scene import PartChange, Stay
 from gcodesim.shop import Shop
@@ -91,7 +91,7 @@ class Execution:
 
     `parts` is what became of parts, `stays` where they have been, `late_grips` what happened to them after the last
     step.
-    `volumes` [m³]: what was removed from each stock and what was added to it. `others`: the same of further channels.
+    `changes` says what was done to each stock. `others`: the same of further channels.
     `passes` at each stock, of all channels, where there is a target.
     `accuracy`: how far the tip was off its path; None where neither gears nor controllers let it.
     """
@@ -102,7 +102,7 @@ class Execution:
     planned: int
     last_row: int
     interrupted: bool
-    volumes: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    changes: Mapping[str, StockChange] = field(default_factory=dict)
     parts: Mapping[str, PartEnd] = field(default_factory=dict)
     stays: Sequence[Stay] = ()
     late_grips: tuple[GripEvent, ...] = ()
@@ -160,7 +160,7 @@ class Track:
         self._guard = ProbeGuard(shop)
         yields = shop.stiffness is not None or gears_move
         self._accuracy = PathAccuracy() if yields else None
-        self.volumes: dict[str, tuple[float, float]] = {}
+        self.changes: dict[str, StockChange] = {}
         self._passes, self._number = passes or {}, number
         self.done = self.last_row = 0
         self.stands_at = self._home
@@ -276,7 +276,7 @@ class Track:
             tips = window.tip if np.array_equal(steps.q, window.q) else self.plan.tip(steps.q, window.row)
             self._accuracy.add(record, tips[:, :3, 3] + record.deflection[:, :3])
         self._standing = record.standing
-        add_volumes(self.volumes, cut.stints)
+        add_changes(self.changes, cut.stints)
         if self._passes:
             add_passes(self._passes, cut.stints, self._number)
         if self.parts is not None:
@@ -326,7 +326,7 @@ class Track:
             planned=planned,
             last_row=self.last_row,
             interrupted=interrupted,
-            volumes=self.volumes,
+            changes=self.changes,
             passes=self._passes,
             accuracy=self._accuracy,
         )
@@ -383,19 +383,6 @@ def _meet(a: Stint, b: Stint) -> bool:
         return True
     (low, high), (least, most) = a.bounds, b.bounds
     return bool((low < most).all() and (high > least).all())
-
-
-def add_volumes(volumes: dict[str, tuple[float, float]], stints: Sequence[Stint]) -> None:
-    """Add up what was removed from each stock and what was added to it [m³]."""
-    for stint in stints:
-        answer = stint.answer
-        if answer is None or not (REMOVED.name in answer.columns or ADDED.name in answer.columns):
-            continue
-        gone, come = volumes.get(stint.task.target.name, (0.0, 0.0))
-        volumes[stint.task.target.name] = (
-            gone + float(answer[REMOVED.name].sum()),
-            come + float(answer[ADDED.name].sum()),
-        )
 
 
 def attach(world: World, shop: Shop, number: int, load: Sequence[tuple[Pose, MassOfSkin]] = ()) -> None:

@@ -102,7 +102,8 @@ def _stocks(parts: Sequence[Mapping[str, StockResult]]) -> dict[str, StockResult
         for name, stock in part.items():
             known = found[name]
             removed, deposited = known.removed + stock.removed, known.deposited + stock.deposited
-            found[name] = replace(known, removed=removed, deposited=deposited)
+            force = None if known.force is None or stock.force is None else max(known.force, stock.force)
+            found[name] = replace(known, removed=removed, deposited=deposited, force=force)
     return found
 
 

@@ -31,8 +31,8 @@ def drop_loose_pieces(job: Job, execution: Execution) -> None:
     shop = job.shop
     assert shop is not None
     for name, placed in shop.stocks.items():
-        removed, added = execution.volumes.get(name, (0.0, 0.0))
-        if placed.revolved or removed <= 0.0 or added > 0.0:
+        change = execution.changes.get(name)
+        if placed.revolved or change is None or change.removed <= 0.0 or change.added > 0.0:
             continue
         for piece in drop_loose(placed.stock):
             row = _freeing_row(job, execution, placed, piece)

@@ -249,15 +249,19 @@ def _stock_results(
     shop: Shop, execution: Execution, fallen: Mapping[str, Sequence[FallenPiece]]
 ) -> dict[str, StockResult]:
     results = {}
+    from gcodesim.executor.stock_change import UNCHANGED
+
+    in_parts = any(placed.spec.inside is not None for placed in shop.stocks.values())
     for name, placed in shop.stocks.items():
         stock = placed.stock
-        removed, added = execution.volumes.get(name, (0.0, 0.0))
+        change = execution.changes.get(name, UNCHANGED)
         pieces = fallen.get(name, ())
         results[name] = StockResult(
             material=stock.material,
             initial=placed.initial,
-            removed=removed,
-            deposited=added,
+            removed=change.removed,
+            deposited=change.added,
+            force=change.force if in_parts else None,
             remaining=stock.volume + sum(piece.volume for piece in pieces),
             resolution=stock.cell,
             error_bound=stock.error_bound(),

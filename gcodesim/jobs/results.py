@@ -102,7 +102,10 @@ class DoseResult:
 
 @frozen
 class StockResult:
-    """One stock at the end; volumes [m³], resolution [m]. What fell out of it in pieces remains: it is not in chips."""
+    """One stock at the end; volumes [m³], resolution [m]. What fell out of it in pieces remains: it is not in chips.
+
+    `force` [N] is the greatest that it felt, where there are parts to tell apart.
+    """
 
     material: str
     initial: float
@@ -111,6 +114,7 @@ class StockResult:
     remaining: float
     resolution: float
     error_bound: float
+    force: float | None = None
     turned: TurnedResult | None = None
     doses: Mapping[str, DoseResult] = field(default_factory=dict)
     fallen: Sequence[FallenPiece] = ()
@@ -124,6 +128,7 @@ class StockResult:
             "remaining_mm3": rounded(self.remaining / MM3),
             "resolution_mm": rounded(self.resolution / MM),
             "error_bound_mm3": rounded(self.error_bound / MM3),
+            **({} if self.force is None else {"max_force_N": rounded(self.force)}),
             **({} if self.turned is None else self.turned.as_json()),
             **({"doses": {name: dose.as_json() for name, dose in self.doses.items()}} if self.doses else {}),
             **({"fallen": [piece.as_json() for piece in self.fallen]} if self.fallen else {}),

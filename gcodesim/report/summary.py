@@ -47,6 +47,8 @@ def summary_rows(results: Results) -> list[list[str]]:
         if stock.deposited:
             rows.append([f"{name}: deposited", f"{value['deposited_mm3']:.1f} mm³", bound])
         rows.append([f"{name}: remaining", f"{value['remaining_mm3']:.1f} mm³"])
+        if stock.force:
+            rows.append([f"{name}: greatest force", f"{stock.force:.1f} N"])
         if value.get("fallen"):
             volume = sum(piece["volume_mm3"] for piece in value["fallen"])
             rows.append([f"{name}: of that, in pieces that fell", f"{volume:.1f} mm³"])

@@ -9,7 +9,7 @@ from gcodesim.solids.mass import moments
 from gcodesim.solids.mesh_file import MeshError, MeshFile, Triangles, read_mesh
 from gcodesim.solids.outline import outline_of, widest
 from gcodesim.solids.solid import Box, Cone, Cylinder, Hulls, Mesh, Placed, Point, Revolution, Solid, Sphere
-from gcodesim.solids.triangles import triangles_of
+from gcodesim.solids.triangles import room_of, triangles_of
 
 __all__ = [
     "Box",
@@ -30,6 +30,7 @@ __all__ = [
     "moments",
     "outline_of",
     "read_mesh",
+    "room_of",
     "triangles_of",
     "widest",
 ]

@@ -16,6 +16,9 @@ from gcodesim.solids.solid import Box, Cylinder, Hulls, Mesh, Solid
 SIDES: Final = 64
 """Sides of the prism that represents a round body."""
 
+MANY_SIDES: Final = 256
+"""Sides of the prism for the room that a round body takes."""
+
 # corners of a box in the order of `product`: x slowest, z fastest
 _BOX: Final = ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3))
 
@@ -27,26 +30,38 @@ def triangles_of(solid: Solid) -> Triangles:
             return Triangles(points=np.array(list(product(*zip(lower, upper, strict=True)))), faces=_fans(_BOX))
         case Mesh():
             return solid.triangles
-        case Cylinder(radius=radius, bottom=bottom, top=top):
-            return _turned(np.array([(radius, bottom), (radius, top)]))
+        case Cylinder():
+            return _prism(solid, solid.radius, SIDES)
         case Hulls():
             raise ValueError("convex bodies have no one skin")
     return _turned(outline_of(solid)[::-1])
 
 
-def _turned(outline: Array) -> Triangles:
+def room_of(solid: Solid) -> Triangles:
+    """The skin of a solid that encloses its volume; a cylinder becomes a prism of many sides with its volume."""
+    if not isinstance(solid, Cylinder):
+        return triangles_of(solid)
+    turn = np.array([2.0 * np.pi / MANY_SIDES])
+    return _prism(solid, solid.radius * float(np.sqrt(turn / sin(turn))[0]), MANY_SIDES)
+
+
+def _prism(solid: Cylinder, radius: float, sides: int) -> Triangles:
+    return _turned(np.array([(radius, solid.bottom), (radius, solid.top)]), sides)
+
+
+def _turned(outline: Array, sides: int = SIDES) -> Triangles:
     """The skin of an outline (k, 2), the lowest point first, with a disc at either end."""
-    angle = 2.0 * np.pi * np.arange(SIDES) / SIDES
+    angle = 2.0 * np.pi * np.arange(sides) / sides
     around = np.stack([cos(angle), sin(angle)], axis=1)
-    points = np.concatenate([np.column_stack([radius * around, np.full(SIDES, z)]) for radius, z in outline])
-    last = SIDES * (len(outline) - 1)
-    ends = [tuple(range(SIDES - 1, -1, -1)), tuple(range(last, last + SIDES))]
-    sides = [
-        (at + i, at + (i + 1) % SIDES, at + SIDES + (i + 1) % SIDES, at + SIDES + i)
-        for at in range(0, last, SIDES)
-        for i in range(SIDES)
+    points = np.concatenate([np.column_stack([radius * around, np.full(sides, z)]) for radius, z in outline])
+    last = sides * (len(outline) - 1)
+    ends = [tuple(range(sides - 1, -1, -1)), tuple(range(last, last + sides))]
+    walls = [
+        (at + i, at + (i + 1) % sides, at + sides + (i + 1) % sides, at + sides + i)
+        for at in range(0, last, sides)
+        for i in range(sides)
     ]
-    return Triangles(points=points, faces=_fans([*ends, *sides]))
+    return Triangles(points=points, faces=_fans([*ends, *walls]))
 
 
 def _fans(polygons: list[tuple[int, ...]] | tuple[tuple[int, ...], ...]) -> Faces:

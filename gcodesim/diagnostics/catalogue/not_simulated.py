@@ -205,6 +205,15 @@ CODES += (
         remedy="Give constants from own tests under `materials:`, with their source, and name that material.",
     ),
     Code(
+        code="GS931",
+        severity=Severity.NOTE,
+        title="Parts of a stock are not seen together",
+        what="A beam, a jet or an extruder works on stock that consists of several parts or layers. Cutters meet all of"
+        " them; a beam strikes each part as if the others were not there, and beads lie on the whole stock alone.",
+        why="Where a layer lies in the shade of another one, too much is taken, and beads see a hole where a part is.",
+        remedy="Give such work one stock without parts, or look at one part after the other.",
+    ),
+    Code(
         code="GS921",
         severity=Severity.NOTE,
         title="Heaters are not simulated",
