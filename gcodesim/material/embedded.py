@@ -49,7 +49,8 @@ def _without(lines: Lines, vertices: Array, faces: Ints) -> Lines:
     left = Columns(np.zeros((*shape, room)), np.zeros((*shape, room)), np.zeros(shape, dtype=np.int32))
     common_columns(columns, beside, left)
     most = max(int(left.number.max()), 1)
-    return Columns(*(np.ascontiguousarray(ends[:, :, :most]) for ends in (left.lo, left.hi)), left.number), grid
+    low, high = (np.ascontiguousarray(ends[:, :, :most]) for ends in (left.lo, left.hi))
+    return Columns(low, high, left.number), grid
 
 
 def _complement(columns: Columns) -> Columns:
