@@ -439,7 +439,7 @@ def _apart(shop: Shop) -> list[Diagnostic]:
             hint="give it a stock without parts",
         )
         for number, tool in sorted(shop.cell.tools.items())
-        if any(kind == "extrusion" or hasattr(PROCESSES[kind], "dose") for kind in tool.processes)
+        if any(PROCESSES[kind].lays or hasattr(PROCESSES[kind], "dose") for kind in tool.processes)
     ]
 
 

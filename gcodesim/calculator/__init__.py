@@ -23,6 +23,7 @@ _PLACES: Final[dict[str, Any]] = {
     "remove.jet": "gcodesim.calculator.beams:JetCut",
     "remove.gaussian": "gcodesim.calculator.beams:GaussianSpot",
     "remove.energy": "gcodesim.calculator.beams:EnergyBalance",
+    "additive.particles": "gcodesim.calculator.particles:ParticleFlow",
     "additive.spiral": "gcodesim.calculator.spiral_wall:SpiralWall",
     "additive.weld": "gcodesim.calculator.welding:ArcWeld",
     "spray.gaussian": "gcodesim.calculator.spray:SprayStripe",

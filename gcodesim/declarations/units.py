@@ -208,7 +208,7 @@ UNITS: Final[tuple[Unit, ...]] = (
     Unit("J/cm^3", "energy per volume", 1e6),
     Unit("J/mm^2", "energy per area", 1e6),
     Unit("J/cm^2", "energy per area", 1e4),
-    Unit("degC", "temperature", 1.0, ("celsius",), offset=ICE),
+    Unit("degC", "temperature", 1.0, ("celsius", "C"), offset=ICE),
     Unit("K", "temperature", 1.0),
     Unit("degF", "temperature", 5.0 / 9.0, ("fahrenheit",), offset=ICE - 160.0 / 9.0),
 )

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from gcodesim.frames import Array, Pose
 from gcodesim.frozen import frozen
+from gcodesim.processes import PROCESSES
 from gcodesim.scene.coated import Coated
 from gcodesim.shop import BODIES, PlacedStock, Shop
 from gcodesim.solids import Solid, triangles_of
@@ -59,7 +60,7 @@ class TaskTarget(Protocol):
 def targets_of(shop: Shop, acts_on: ActsOn) -> list[TaskTarget]:
     """The targets of a process that acts on things of this sort."""
     if acts_on == "stock":
-        grows = any("extrusion" in tool.processes for tool in shop.cell.tools.values())
+        grows = any(PROCESSES[kind].lays for tool in shop.cell.tools.values() for kind in tool.processes)
         return [StockTarget(placed, grows) for placed in shop.stocks.values() if not placed.revolved]
     if acts_on == "revolved":
         return [StockTarget(placed) for placed in shop.stocks.values() if placed.revolved]

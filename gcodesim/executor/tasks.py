@@ -126,7 +126,7 @@ class Tasks:
             variant = PROCESSES[kind]
             for target in self._targets(tool, variant.acts_on):
                 process = variant.of(tool, target.material)
-                if process.laid_section and isinstance(target, StockTarget) and target.placed.spec.inside is not None:
+                if variant.lays and isinstance(target, StockTarget) and target.placed.spec.inside is not None:
                     continue  # what is laid goes onto the whole stock, once; GS931 says so
                 yield Task(tool=tool, target=target, process=process, state=process.begin())
             if variant.acts_on != "stock":

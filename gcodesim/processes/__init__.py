@@ -8,6 +8,7 @@ PROCESSES = Family(
     called="kind",
     milling="gcodesim.processes.milling:Milling",
     extrusion="gcodesim.processes.extrusion:Extrusion",
+    arc_welding="gcodesim.processes.arc_welding:ArcWelding",
     ablation="gcodesim.processes.ablation:Ablation",
     erosion="gcodesim.processes.erosion:Erosion",
     spraying="gcodesim.processes.spraying:Spraying",

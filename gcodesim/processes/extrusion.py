@@ -15,12 +15,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.arithmetic.matrices import norms
+from gcodesim.arithmetic.scalars import tan
 from gcodesim.frozen import frozen
 from gcodesim.processes.column import ADDED, ENGAGED, RESULTS, Column, Shown
 from gcodesim.processes.protocol import Process
 from gcodesim.processes.signal import ACTIVE, BEAD_HEIGHT, BEAD_WIDTH, FLOW, Signal
 from gcodesim.processes.window import ProcessState, ProcessStep, Window
-from gcodesim.tools.extruder import Extruder
+from gcodesim.tools.extruder import Extruder, RayCone
 
 if TYPE_CHECKING:
     from gcodesim.diagnostics import Diagnostic
@@ -29,6 +30,9 @@ if TYPE_CHECKING:
     from gcodesim.processes.rows import Rows
 
 Array = NDArray[np.float64]
+
+DRAWN = 0
+"""Place in the state of a nozzle with rays: how many rays there were so far."""
 
 
 @frozen(slots=False, eq=False)
@@ -40,6 +44,7 @@ class Extrusion(Process):
     """
 
     kind: ClassVar[str] = "extrusion"
+    lays: ClassVar[bool] = True
     reads: ClassVar[tuple[Signal, ...]] = (ACTIVE, BEAD_WIDTH, BEAD_HEIGHT, FLOW)
     writes: ClassVar[tuple[Column, ...]] = (
         ADDED,
@@ -72,11 +77,15 @@ class Extrusion(Process):
     def begin(self) -> ProcessState:
         from gcodesim.material.strand import CARRY
 
+        if self.extruder.rays is not None:
+            return ProcessState(values=np.zeros(1))
         return ProcessState(values=np.full(CARRY, np.inf))
 
     def run(self, stock: Stock | None, window: Window, state: ProcessState) -> ProcessStep:
         """Add to `stock` (in place) what goes through the nozzle along the pieces of `window`."""
         volume = self._given(window)
+        if self.extruder.rays is not None:
+            return self._by_rays(stock, window, volume, self.extruder.rays, state)
         if volume is not None:
             return self._by_volume(stock, window, volume, state)
         n = window.steps
@@ -139,6 +148,34 @@ class Extrusion(Process):
             "unsupported": length * (1.0 - found.support),
             "laid_length": length,
             "meant": asked,
+        }
+        sums = {name: _sums(step, values, n) for name, values in columns.items()}
+        return ProcessStep.free(n, {**sums, "engaged": sums["extruded"] > 0.0})
+
+    def _by_rays(
+        self, stock: Stock | None, window: Window, volume: Array | None, rays: RayCone, state: ProcessState
+    ) -> ProcessStep:
+        """Particles along the rays of a cone; `volume` (c,) of each piece, else that of the tool's bead."""
+        n = window.steps
+        way = norms(window.piece_end - window.piece_start)
+        if volume is None:
+            volume = self.extruder.bead_area * way * (window.signals[ACTIVE.name][window.piece_step] > 0.0)
+        some = np.flatnonzero(volume > 0.0)
+        if stock is None or not len(some):
+            return ProcessStep.free(n)
+        from gcodesim.material.rain import Cone, rain_on
+
+        step = window.piece_step[some]
+        cone = Cone(spread=tan(0.5 * rays.angle), far=rays.distance, number=rays.number, seed=rays.seed)
+        start, end, axis = window.piece_start[some], window.piece_end[some], window.axis[step]
+        thrown = state.values[DRAWN]
+        fallen = rain_on(stock, cone, start, end, axis, volume[some], int(thrown))
+        state.values[DRAWN] = thrown + len(some) * rays.number
+        columns = {
+            "added": fallen.volume,
+            "nominal": volume[some],
+            "extruded": volume[some],
+            "beside": volume[some] - fallen.volume,
         }
         sums = {name: _sums(step, values, n) for name, values in columns.items()}
         return ProcessStep.free(n, {**sums, "engaged": sums["extruded"] > 0.0})

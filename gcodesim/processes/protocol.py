@@ -107,6 +107,7 @@ class Process:
 
     A kind of process is a frozen dataclass below this. `kind` is its name in the table `PROCESSES`; `acts_on` its sort
     of target; `takes` says that it removes material, `pushes` that it exerts a force, so that a machine may yield;
+    `lays` that it adds material to a stock, which may grow beyond its box;
     `touches` says that it is about the tool in contact, so that it is not asked where a probe touches on purpose;
     `leads` says that its force depends on nothing but the window, so that the others act where it puts the tip;
     `reads` lists the signals that `Window.signals` holds for it, `writes` the columns that it gives values for.
@@ -115,6 +116,7 @@ class Process:
     kind: ClassVar[str] = ""
     acts_on: ClassVar[ActsOn] = "stock"
     takes: ClassVar[bool] = False
+    lays: ClassVar[bool] = False
     pushes: ClassVar[bool] = False
     touches: ClassVar[bool] = False
     leads: ClassVar[bool] = False

@@ -34,6 +34,7 @@ TOOLS = Family(
     boring_bar="gcodesim.tools.boring_bar:BoringBar",
     drag_knife="gcodesim.tools.drag_knife:DragKnife",
     extruder="gcodesim.tools.extruder:Extruder",
+    welding_torch="gcodesim.tools.welding_torch:WeldingTorch",
     laser="gcodesim.tools.laser:Laser",
     plasma="gcodesim.tools.plasma:Plasma",
     jet="gcodesim.tools.jet:Jet",

@@ -6,12 +6,23 @@ from math import pi
 from typing import ClassVar
 
 from gcodesim.declarations.keys import key
-from gcodesim.declarations.kind import Range
+from gcodesim.declarations.kind import NOT_NEGATIVE, POSITIVE, Range
+from gcodesim.declarations.plain_kinds import Whole
 from gcodesim.declarations.quantity import Quantity
 from gcodesim.frozen import frozen
 from gcodesim.tools.body import Primitive, cone, cylinder
 from gcodesim.tools.tool import Tool
 from gcodesim.units import MM
+
+
+@frozen
+class RayCone:
+    """Rays from the nozzle, evenly over a cone about its axis; each carries a particle to where it strikes first."""
+
+    angle: float = key(Quantity("angle", Range(least=0.0, most=2.8)), "full opening of the cone", example="20 deg")
+    distance: float = key(Quantity("length", POSITIVE), "how far a particle flies", example="50 mm")
+    number: int = key(Whole(Range(least=1, most=10_000)), "of rays in each step of the simulation", default=20)
+    seed: int = key(Whole(NOT_NEGATIVE), "of the random numbers that place them", default=1)
 
 
 @frozen
@@ -31,6 +42,10 @@ class Extruder(Tool):
         "and speed, otherwise it always has its size",
         default=None,
         example="800 mm^3/s",
+    )
+
+    rays: RayCone | None = key(
+        RayCone, "throws particles along rays in place of laying a bead, also where the tool leans", default=None
     )
 
     @property
