@@ -25,7 +25,7 @@ from gcodesim.cell.robot import RobotForm
 from gcodesim.cell.sensors import Mount
 from gcodesim.cell.settings import Limits, LogSettings, Magazine, Simulation, Suppression
 from gcodesim.cell.signals import SignalSource
-from gcodesim.cell.stock import ShapeKeys, StockSpec, Target
+from gcodesim.cell.stock import Layer, ShapeKeys, StockSpec, Target
 from gcodesim.controllers.flexible import Flexible
 from gcodesim.controllers.pd import PD
 from gcodesim.declarations.keys import all_keys, keys
@@ -33,6 +33,7 @@ from gcodesim.declarations.tables import key_table, units_as_text
 from gcodesim.key_page import rewrite
 from gcodesim.sensors import SENSORS
 from gcodesim.tools import TOOLS
+from gcodesim.tools.extruder import RayCone
 from gcodesim.tools.spray_gun import Fading, Footprint
 
 SECTIONS: Final[tuple[tuple[str, type], ...]] = (
@@ -55,6 +56,8 @@ SECTIONS: Final[tuple[tuple[str, type], ...]] = (
     ("`parts`, besides their shape and place", PartSpec),
     ("`film` of stock, parts and fixtures", FilmSpec),
     ("`inside` of `film`", FilmRegion),
+    ("`layers` of a stock", Layer),
+    ("`rays` of an extruder", RayCone),
     ("`footprint` of a spray gun", Footprint),
     ("`fading` of a spray gun", Fading),
     ("`devices`, besides their shape and place", Device),

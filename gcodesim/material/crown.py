@@ -18,7 +18,8 @@ def melt_onto(stock: Stock, crown: Crown) -> Molten:
     """Lay molten beads on whatever lies below them, in place. Columns along x and y are given up."""
     stock.lattice = None
     molten = Molten(*np.zeros((2, len(crown.volumes))))
-    crown = Crown(*(np.ascontiguousarray(part) for part in crown[:3]), crown.reach)
+    ways, volumes, widths = (np.ascontiguousarray(part) for part in (crown.ways, crown.volumes, crown.widths))
+    crown = Crown(ways, volumes, widths, crown.reach)
     done = 0
     while (done := melt(stock.field, crown, done, molten)) < len(crown.volumes):
         stock.grow()

@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 
 
 @frozen
-class Cone:
+class NozzleRays:
     """Rays of a nozzle: `spread` is the tangent of half the opening [-], `far` [m] the length of a ray, `number` how
     many there are for each piece of the way, `seed` where their random numbers begin."""
 
@@ -29,7 +29,7 @@ class Cone:
     seed: int
 
 
-def rays_of(cone: Cone, starts: Array, ends: Array, axes: Array, first: int) -> tuple[Array, Array]:
+def rays_of(cone: NozzleRays, starts: Array, ends: Array, axes: Array, first: int) -> tuple[Array, Array]:
     """Where the rays of c pieces begin, and their directions, both (c number, 3).
 
     Tips go from `starts` to `ends` (c, 3), `axes` (c, 3) point from the tip to the holder. Rays are spread evenly over
@@ -52,7 +52,9 @@ def rays_of(cone: Cone, starts: Array, ends: Array, axes: Array, first: int) -> 
     return starts[piece] + u[:, 2:3] * (ends[piece] - starts[piece]), ways
 
 
-def rain_on(stock: Stock, cone: Cone, starts: Array, ends: Array, axes: Array, volumes: Array, first: int) -> Fallen:
+def rain_on(
+    stock: Stock, cone: NozzleRays, starts: Array, ends: Array, axes: Array, volumes: Array, first: int
+) -> Fallen:
     """Throw `volumes` (c,) [m³] along the rays of each of c pieces, in place; what became of each piece (c,).
 
     What strikes nothing within the length of a ray is lost. Columns along x and y are given up.

@@ -163,10 +163,10 @@ class Extrusion(Process):
         some = np.flatnonzero(volume > 0.0)
         if stock is None or not len(some):
             return ProcessStep.free(n)
-        from gcodesim.material.rain import Cone, rain_on
+        from gcodesim.material.rain import NozzleRays, rain_on
 
         step = window.piece_step[some]
-        cone = Cone(spread=tan(0.5 * rays.angle), far=rays.distance, number=rays.number, seed=rays.seed)
+        cone = NozzleRays(spread=tan(0.5 * rays.angle), far=rays.distance, number=rays.number, seed=rays.seed)
         start, end, axis = window.piece_start[some], window.piece_end[some], window.axis[step]
         thrown = state.values[DRAWN]
         fallen = rain_on(stock, cone, start, end, axis, volume[some], int(thrown))

@@ -54,7 +54,9 @@ class WeldingTorch(Tool):
         """The wire that stands out, a gas cup and a barrel; for drawing and collisions."""
         out, cup = min(12.0 * MM, 0.3 * self.length), 10.0 * MM
         height = min(out + 30.0 * MM, 0.7 * self.length)
-        bodies = (cone("nozzle", 0.8 * cup, cup, out, height), cylinder("nozzle", cup, height, self.length))
+        wire = 0.5 * self.wire_diameter
+        tip = (cone("nozzle", wire, 0.8 * cup, 0.0, out), cone("nozzle", 0.8 * cup, cup, out, height))
+        bodies = (*tip, cylinder("nozzle", cup, height, self.length))
         return (*bodies, *self._holder_bodies())
 
     def problems(self) -> list[tuple[str, str]]:

@@ -26,6 +26,7 @@ VALUES = {
     "angle": 1.5,
     "power": 500.0,
     "removal_rate": 8e-9,
+    "wire_speed": 0.12,
     "form_outline": ((0.0, 0.0), (3e-3, 1e-3), (5e-3, 20e-3)),
 }
 BEAMS = {"beam": 1.0, "power": 400.0, "gas": 1.0, "feed": np.inf, "laser_mode": 0.0, "abrasive": 1.0}
@@ -58,6 +59,7 @@ def window(z, n=50):
             "active": np.ones(n, dtype=bool),
             "bead_width": np.zeros(n),
             "flow": np.full(n, np.nan),
+            "wire_speed": np.full(n, np.nan),
             "bead_height": np.zeros(n),
             **{name: np.full(n, value) for name, value in BEAMS.items()},
         },

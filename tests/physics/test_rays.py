@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from gcodesim.material.rain import Cone, rain_on, rays_of
+from gcodesim.material.rain import NozzleRays, rain_on, rays_of
 from gcodesim.material.stock import Stock
 from gcodesim.units import DEG, MM, MM3
 from tests.physics.runs import run_texts
@@ -51,7 +51,7 @@ def test_what_is_thrown_is_in_the_stock(rays):
 
 
 def test_the_spot_is_that_of_the_cone():
-    cone = Cone(spread=math.tan(10 * DEG), far=60 * MM, number=20_000, seed=1)
+    cone = NozzleRays(spread=math.tan(10 * DEG), far=60 * MM, number=20_000, seed=1)
     starts, ways = rays_of(cone, np.zeros((1, 3)), np.zeros((1, 3)), np.array([UP]), 0)
     at = starts + ways * (30 * MM / -ways[:, 2])[:, None]
     away = np.hypot(at[:, 0], at[:, 1])
@@ -63,11 +63,11 @@ def test_the_spot_is_that_of_the_cone():
 
 
 def test_the_seed_places_the_rays_and_windows_do_not():
-    cone = Cone(spread=0.2, far=60 * MM, number=5, seed=3)
+    cone = NozzleRays(spread=0.2, far=60 * MM, number=5, seed=3)
     tips, axes = np.zeros((8, 3)), np.tile(UP, (8, 1))
     whole = rays_of(cone, tips, tips, axes, 0)[1]
     second = rays_of(cone, tips[4:], tips[4:], axes[4:], 20)[1]
-    other = rays_of(Cone(spread=0.2, far=60 * MM, number=5, seed=4), tips, tips, axes, 0)[1]
+    other = rays_of(NozzleRays(spread=0.2, far=60 * MM, number=5, seed=4), tips, tips, axes, 0)[1]
 
     assert np.array_equal(whole[20:], second)
     assert not np.array_equal(whole, other)
@@ -81,7 +81,7 @@ def test_what_flies_past_is_lost_and_told():
 
 def test_a_tool_that_leans_throws_along_its_axis():
     stock, lean = plate(), 30.0 * DEG
-    cone = Cone(spread=0.0, far=80 * MM, number=100, seed=1)
+    cone = NozzleRays(spread=0.0, far=80 * MM, number=100, seed=1)
     done = thrown(stock, cone, axis=[math.sin(lean), 0.0, math.cos(lean)], volume=10.0)
 
     assert done.volume.sum() / MM3 == pytest.approx(10.0, rel=1e-9)
@@ -93,7 +93,7 @@ def test_a_tool_that_leans_throws_along_its_axis():
 
 def test_a_heap_is_no_steeper_than_it_can_lie():
     stock = plate()
-    thrown(stock, Cone(spread=0.0, far=60 * MM, number=4000, seed=1), volume=2000.0)
+    thrown(stock, NozzleRays(spread=0.0, far=60 * MM, number=4000, seed=1), volume=2000.0)
     top = stock.extent()[1][2] / MM
     cone = (3.0 * 2000.0 / math.pi) ** (1.0 / 3.0)  # a cone of 45 degrees with that volume
 
@@ -104,13 +104,17 @@ def test_a_heap_is_no_steeper_than_it_can_lie():
 def test_particles_stay_at_a_wall():
     stock = plate()
     wall = Stock.box((0.0, -40 * MM, -5 * MM), (40 * MM, 40 * MM, 20 * MM), 0.5 * MM)
-    done = thrown(wall, Cone(spread=0.0, far=60 * MM, number=20, seed=1), axis=[-1.0, 0.0, 0.0], at=(-20.0, 0.0, 10.0))
+    done = thrown(
+        wall, NozzleRays(spread=0.0, far=60 * MM, number=20, seed=1), axis=[-1.0, 0.0, 0.0], at=(-20.0, 0.0, 10.0)
+    )
     assert done.volume.sum() == 0.0  # beside the grid of the wall there is no column to stay in
 
     both = plate()
     both.field.columns.hi[80:] = 20 * MM
     both.field.tops[:] = 20 * MM
-    done = thrown(both, Cone(spread=0.0, far=60 * MM, number=20, seed=1), axis=[-1.0, 0.0, 0.0], at=(-20.0, 0.2, 10.0))
+    done = thrown(
+        both, NozzleRays(spread=0.0, far=60 * MM, number=20, seed=1), axis=[-1.0, 0.0, 0.0], at=(-20.0, 0.2, 10.0)
+    )
     assert done.volume.sum() / MM3 == pytest.approx(400.0, rel=1e-9)
     assert stock.volume < both.volume
 
@@ -120,7 +124,7 @@ def test_the_number_of_rays_does_not_change_where_it_lies():
     heaps = []
     for number in (500, 5000):
         stock = plate()
-        thrown(stock, Cone(spread=0.3, far=60 * MM, number=number, seed=2), volume=3000.0)
+        thrown(stock, NozzleRays(spread=0.3, far=60 * MM, number=number, seed=2), volume=3000.0)
         lo, hi, count = stock.field.columns
         height = hi[:, :, 0]
         x = (np.arange(160) + 0.5) * 0.5 - 40.0
