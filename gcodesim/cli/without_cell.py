@@ -11,8 +11,9 @@ from gcodesim.cli.options import AUTO
 from gcodesim.diagnostics import Diagnostic, SourceText, Span
 from gcodesim.diagnostics.plain import one_line
 from gcodesim.files.output_folder import CELL_NAME
-from gcodesim.starter.first_cell import FirstCell, NoCellError
+from gcodesim.starter.first_cell import FirstCell, NoCellError, first_cell
 from gcodesim.starter.needs import guesses_of, needs_of
+from gcodesim.starter.printer_cell import PrinterCell
 
 
 def needs_text(program: SourceText, command: str) -> str:
@@ -52,8 +53,8 @@ def made_cell(program: SourceText, folder: Path | None) -> LoadedCell:
     return replace(loaded, made=True)
 
 
-def _first_cell(program: SourceText) -> FirstCell:
+def _first_cell(program: SourceText) -> FirstCell | PrinterCell:
     try:
-        return FirstCell.of(program)
+        return first_cell(program)
     except NoCellError as reason:
         raise UsageError(str(reason)) from None

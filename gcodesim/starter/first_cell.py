@@ -8,6 +8,7 @@ from typing import Final
 from gcodesim.canon.systems import name_of_system
 from gcodesim.diagnostics import SourceText
 from gcodesim.frozen import frozen
+from gcodesim.starter.printer_cell import PrinterCell, is_print
 from gcodesim.starter.scan import Scan, ScannedTool, scan
 from gcodesim.starter.survey import Reach, Survey, survey
 from gcodesim.tools.cutter import usual_length
@@ -47,7 +48,17 @@ def cell_for(program: SourceText) -> bytes:
 
     Everything else is guessed and marked as a guess. NoCellError for a program that no dialect can read.
     """
-    return FirstCell.of(program).text()
+    return first_cell(program).text()
+
+
+def first_cell(program: SourceText) -> FirstCell | PrinterCell:
+    """What `program` says about its cell. NoCellError for a program that no dialect can read."""
+    if not is_print(program):
+        return FirstCell.of(program)
+    printer = PrinterCell.of(program)
+    if printer is None:
+        raise NoCellError(f"{program.name} is a program for a printer, but it lays nothing")
+    return printer
 
 
 def _tools(found: Scan, seen: Survey) -> list[FirstTool]:

@@ -124,12 +124,8 @@ def _why_no_cell(foreign: Foreign) -> str:
     unread = {"Klartext": "Heidenhain's Klartext", "Sinumerik": "a Sinumerik"}.get(foreign.kind)
     if unread is not None:
         return f"{unread} {place}; no dialect of gcodesim reads it"
-    kind, remedy = (
-        ("a 3D printer", "`dialect: marlin`, an `extruder` as tool 0")
-        if foreign.kind == "printer"
-        else ("a lathe", "`dialect: fanuc_lathe`, `machine: lathe_xz`")
-    )
-    return f"{kind} {place}; its cell cannot be guessed, write one with {remedy}"
+    remedy = "write one with `dialect: fanuc_lathe`, `machine: lathe_xz`"
+    return f"a lathe {place}; its cell cannot be guessed, {remedy}"
 
 
 def survey(program: SourceText) -> Survey:

@@ -160,8 +160,6 @@ def test_probes_ask_for_travel_and_cut_nothing(tmp_path: Path) -> None:
 
 
 def test_what_no_dialect_reads_has_no_cell() -> None:
-    with pytest.raises(NoCellError, match="3D printer"):
-        cell_for(source("M104 S200\nM82\nG1 X1 E2 F100\n"))
     with pytest.raises(NoCellError, match="lathe"):
         cell_for(source("%\nO0007\nG50 S2000\nT0101\nG96 S180 M3\nG0 X52. Z2.\nM30\n%\n"))
 

@@ -1,0 +1,222 @@
+"""A first cell for a printer's program: bed, nozzle, filament and axes from its moves and its slicer's comments."""
+
+from __future__ import annotations
+
+import re
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gcodesim.diagnostics import Severity, SourceText
+from gcodesim.frozen import frozen
+from gcodesim.motion.build import build_tool_path
+from gcodesim.motion.tool_path import ZERO, ToolPath
+from gcodesim.rs274 import Settings, ToolEntry, ToolTable, interpret
+from gcodesim.rs274.other_machines import foreign_of
+from gcodesim.units import MM
+
+Array = NDArray[np.float64]
+
+_MOST_NOZZLES: Final = 16
+_MARGIN: Final = 10.0 * MM  # of the bed around what is printed
+_TRAVEL: Final = 20.0 * MM  # of the axes around what is moved
+_BED: Final = 2.0 * MM  # thickness
+_COLUMNS: Final = 2_000_000
+_FINEST: Final = 0.1 * MM
+_NOZZLE: Final = 0.4  # mm, the usual one
+_FILAMENT: Final = 1.75  # mm
+
+_KLIPPER = re.compile(
+    rb"^[ \t]*(SET_VELOCITY_LIMIT|EXCLUDE_OBJECT\w*|START_PRINT|PRINT_START|SET_PRESSURE_ADVANCE|_\w+)\b"
+    rb"|^;[ \t]*gcode_flavor = klipper|^;FLAVOR:Klipper",
+    re.MULTILINE,
+)
+_REPRAP = re.compile(rb"^[ \t]*M(?:566|572|593|98 )|^;[ \t]*gcode_flavor = reprap|^;FLAVOR:RepRap", re.MULTILINE)
+_SLICER = re.compile(rb"PrusaSlicer|OrcaSlicer|SuperSlicer|BambuStudio|Slic3r|Cura_SteamEngine|ideaMaker|Simplify3D")
+_EXTRUDES = re.compile(rb"^[ \t]*G0?1\b[^;\r\n]*[ \t]E-?[0-9.]", re.MULTILINE)
+
+
+def is_print(program: SourceText) -> bool:
+    """Whether a program is one for a printer: its heaters say so, or its slicer."""
+    foreign = foreign_of(program)
+    if foreign is not None:
+        return foreign.kind == "printer"
+    return bool(_EXTRUDES.search(program.raw) and (_SLICER.search(program.raw) or _KLIPPER.search(program.raw)))
+
+
+@frozen
+class PrinterCell:
+    """What a print says about its printer; lengths [m]."""
+
+    program: str
+    dialect: str
+    why: str
+    failed: int
+    path: ToolPath
+    settings: dict[str, str]
+
+    @staticmethod
+    def of(program: SourceText) -> PrinterCell | None:
+        """From the moves of a program; None if it lays nothing."""
+        dialect, why = _dialect_of(program.raw)
+        table = ToolTable({number: ToolEntry(number=number) for number in range(_MOST_NOZZLES)})
+        run = interpret(program, Settings(dialect=dialect, tool_table=table, has_cell=True))
+        path = build_tool_path(run.stream(), ZERO)
+        error = next((f.span.line for f in run.findings if f.level >= Severity.ERROR), 0)
+        cell = PrinterCell(
+            program=program.name, dialect=dialect, why=why, failed=error, path=path, settings=_settings(program.raw)
+        )
+        return cell if cell.laying.any() else None
+
+    @property
+    def laying(self) -> NDArray[np.bool_]:
+        """The moves (n,) that lay something."""
+        path = self.path
+        moving = (path.start[:, :3] != path.end[:, :3]).any(axis=1)
+        found: NDArray[np.bool_] = (path.extrude > 0.0) & moving
+        return found
+
+    def text(self) -> bytes:
+        """The cell file."""
+        height, width = self._size("height"), self._size("width")
+        low, high = self._bed(max(width, height))
+        all_low, all_high = self._box(np.ones(len(self.path), dtype=bool))
+        area = float(np.prod(high[:2] - low[:2]))
+        grain = max(_FINEST, 0.5 * height, float(np.sqrt(area / _COLUMNS)), min(width / 3.0, 0.5 * MM))
+        lines = [
+            f"# A cell for {self.program}, made from its moves, words and comments: look at every line.",
+            "gcodesim: 1",
+            f"dialect: {self.dialect:<10} # {self.why}",
+        ]
+        if self.failed:
+            lines.append(f"# line {self.failed} of the program has an error, so a run stops there: see `gcodesim lint`")
+        lines += ["", "machine:  # the axes are fast, so that only the limits of the firmware count", "  axes:"]
+        for k, letter in enumerate("XYZ"):
+            least = min(all_low[k], low[k], 0.0) - _TRAVEL
+            most = max(all_high[k], high[k], 0.0) + (_TRAVEL if k < 2 else 5.0 * _TRAVEL)
+            lines.append(
+                f"    {letter}: {{travel: [{_mm(least)}, {_mm(most)}], speed: 1000 mm/s, acceleration: 50 m/s^2}}"
+            )
+        corners = (f"{_mm(low[0])}, {_mm(low[1])}, {_mm(low[2])}", f"{_mm(high[0])}, {_mm(high[1])}, {_mm(high[2])}")
+        lines += [
+            "work_offsets: {G54: {xyz: [0, 0, 0]}}",
+            "",
+            f"# the bed{self._bed_told()}; what is laid beside it is not kept",
+            f"stock: {{min: [{corners[0]}], max: [{corners[1]}], in: G54, resolution: {_mm(grain)}}}",
+            "",
+            "tools:",
+        ]
+        said = "as the comments say" if self._told("width") else "guessed"
+        for number in self._nozzles():
+            sizes = f"bead_width: {_mm(width)}, bead_height: {_mm(height)}"
+            filament = f"filament_diameter: {self._filament(number):g}"
+            lines.append(f"  {number}: {{type: extruder, {sizes}, {filament}, length: 40}}  # {said}")
+        return ("\n".join(lines) + "\n").encode()
+
+    @property
+    def needs(self) -> list[tuple[str, str]]:
+        """Rows of name and text: dialect, nozzles, bed, travel."""
+        width, height = self._size("width"), self._size("height")
+        low, high = self._bed(max(width, height))
+        least, most = self._box(np.ones(len(self.path), dtype=bool))
+        bed = f"{_mm(high[0] - low[0])} x {_mm(high[1] - low[1])} mm{self._bed_told()}"
+        told = "" if self._told("width") else ", a guess"
+        nozzles = [f"T{n}: an extruder, bead {_mm(width)} x {_mm(height)} mm{told}" for n in self._nozzles()]
+        travel = ", ".join(f"{letter} {_mm(a)} to {_mm(b)} mm" for letter, a, b in zip("XYZ", least, most, strict=True))
+        return [
+            ("dialect", f"{self.dialect} ({self.why})"),
+            *(("" if place else "tools", text) for place, text in enumerate(nozzles)),
+            ("stock", f"a bed of {bed}"),
+            ("travel", travel),
+        ]
+
+    @property
+    def guesses(self) -> list[str]:
+        """What is guessed, since the program does not tell."""
+        guessed = [] if self._bed_shape() else ["the bed"]
+        return guessed + ([] if self._told("width") else ["the width of beads"])
+
+    def _box(self, rows: NDArray[np.bool_]) -> tuple[Array, Array]:
+        points = np.concatenate([self.path.start[rows, :3], self.path.end[rows, :3]])
+        return points.min(axis=0), points.max(axis=0)
+
+    def _nozzles(self) -> list[int]:
+        return sorted({int(self.path.states[s].tool) for s in np.unique(self.path.state[self.laying]).tolist()})
+
+    def _bed(self, bead: float) -> tuple[Array, Array]:
+        """Corners (3,) of the bed, whose top is Z0: as the slicer says, and at least around what is laid."""
+        low, high = self._box(self.laying)
+        low, high = np.floor((low - bead) / MM) * MM, np.ceil((high + bead) / MM) * MM
+        corners = re.findall(r"(-?[0-9.]+)x(-?[0-9.]+)", self._bed_shape())
+        if corners:
+            points = np.array(corners, dtype=float) * MM
+            low[:2], high[:2] = np.minimum(low[:2], points.min(axis=0)), np.maximum(high[:2], points.max(axis=0))
+        else:
+            low[:2], high[:2] = low[:2] - _MARGIN, high[:2] + _MARGIN
+        low[2], high[2] = -_BED, 0.0
+        return low, high
+
+    def _bed_shape(self) -> str:
+        return self.settings.get("bed_shape") or self.settings.get("printable_area", "")
+
+    def _bed_told(self) -> str:
+        return ", as the slicer says" if self._bed_shape() else ", guessed: a margin around what is laid"
+
+    def _sections(self, of: str) -> tuple[Array, Array]:
+        """The sizes [m] that comments name, and the filament that goes with each."""
+        rows = np.flatnonzero(self.laying)
+        sizes = np.array([getattr(s.section, of) if s.section is not None else 0.0 for s in self.path.states])
+        values, weights = sizes[self.path.state[rows]], self.path.extrude[rows]
+        return values[values > 0.0], weights[values > 0.0]
+
+    def _told(self, of: str) -> bool:
+        return bool(len(self._sections(of)[0]))
+
+    def _size(self, of: str) -> float:
+        """Width or height of the usual bead [m]: by comments, else by settings, else as printers are usually set."""
+        values, weights = self._sections(of)
+        if len(values):
+            order = np.argsort(values, kind="stable")
+            passed = np.cumsum(weights[order])
+            return float(values[order][np.searchsorted(passed, 0.5 * passed[-1])])
+        names = ("layer_height",) if of == "height" else ("extrusion_width", "line_width", "outer_wall_line_width")
+        for name in names:
+            if (number := _number(self.settings.get(name, ""))) > 0.0:
+                return number * MM
+        if of == "width":
+            return 1.125 * (_number(self.settings.get("nozzle_diameter", "")) or _NOZZLE) * MM
+        steps = np.diff(np.unique(np.round(self.path.end[self.laying, 2] / MM, 4)))
+        return float(np.median(steps)) * MM if len(steps) else 0.2 * MM
+
+    def _filament(self, number: int) -> float:
+        """Diameter [mm] of the filament of a nozzle."""
+        told = self.settings.get("filament_diameter", "").split(",")
+        own = told[number] if number < len(told) else told[0]
+        return _number(own) or _FILAMENT
+
+
+def _dialect_of(raw: bytes) -> tuple[str, str]:
+    for name, pattern in (("klipper", _KLIPPER), ("reprapfirmware", _REPRAP)):
+        if match := pattern.search(raw):
+            word = match[0].strip().decode("utf-8", "replace")
+            return name, f"`{word}` in line {raw.count(b'%c' % 10, 0, match.start()) + 1}"
+    return "marlin", "nothing in it is of another firmware"
+
+
+def _settings(raw: bytes) -> dict[str, str]:
+    """What slicers write as comments `; name = value`, in PrusaSlicer and its family, or `;name: value`."""
+    found: dict[str, str] = {}
+    for name, value in re.findall(rb"^;[ \t]*([A-Za-z_ ]+?)[ \t]*[=:,][ \t]*([^\r\n]*)", raw, re.MULTILINE):
+        found.setdefault(name.decode().strip().lower().replace(" ", "_"), value.decode("utf-8", "replace").strip())
+    return found
+
+
+def _number(text: str) -> float:
+    """The number at the beginning of a text; 0 if there is none, or if it is a share of something else."""
+    match = re.match(r"[0-9]*\.?[0-9]+(?![0-9.]*%)", text)
+    return float(match[0]) if match else 0.0
+
+
+def _mm(length: float) -> str:
+    return f"{round(length / MM, 3) + 0.0:g}"
