@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from typing import Any, Final
 
+from gcodesim.declarations.file_kind import File
 from gcodesim.declarations.keys import key
 from gcodesim.declarations.kind import Json, Kind, listing
-from gcodesim.declarations.nodes import Mapping, Node
+from gcodesim.declarations.nodes import Mapping, Node, Scalar
 from gcodesim.declarations.quantity import Quantity, Vector
 from gcodesim.declarations.reading import UNREAD, Path, Reading, Unread
 from gcodesim.declarations.record import Record
@@ -25,6 +26,8 @@ class ArcForm:
     hollow: bool = key("switch", "the edge is hollow: the arc runs clockwise, radius to the right", default=False)
 
 
+_DRAWING: Final = File("a drawing of the half section, .dxf or .svg, with the axis at x = 0")
+
 _ARC: Final = Record(ArcForm, "an arc of the outline")
 
 
@@ -34,9 +37,14 @@ class OutlineKind(Kind):
 
     @property
     def expected(self) -> str:
-        return "a list of points and arcs such as `[[0, 0], {arc: [3, 3], centre: [0, 3]}, [3, 12 mm]]`"
+        return (
+            "a list of points and arcs such as `[[0, 0], {arc: [3, 3], centre: [0, 3]}, [3, 12 mm]]`, or the name of "
+            "a drawing (.dxf, .svg)"
+        )
 
     def read(self, node: Node, to: Reading, path: Path) -> Any:
+        if isinstance(node, Scalar) and node.text.lower().endswith((".dxf", ".svg")):
+            return _drawn(node, to, path)
         items = listing(self, node, to, path)
         if isinstance(items, Unread):
             return UNREAD
@@ -57,7 +65,8 @@ class OutlineKind(Kind):
 
     def schema(self, definitions: dict[str, Json]) -> Json:
         both = [_POINT.schema(definitions), _ARC.schema(definitions)]
-        return {"type": "array", "minItems": 2, "items": {"anyOf": both}}
+        points = {"type": "array", "minItems": 2, "items": {"anyOf": both}}
+        return {"anyOf": [points, _DRAWING.schema(definitions)]}
 
     def show(self, value: Any) -> Any:
         return [_ARC.show(_written(p)) if isinstance(p, OutlineArc) else _POINT.show(p) for p in value]
@@ -65,6 +74,20 @@ class OutlineKind(Kind):
     def plain(self, value: Any) -> tuple[str, Any]:
         pairs = [_ARC.plain(_written(p)) if isinstance(p, OutlineArc) else _POINT.plain(p) for p in value]
         return _POINT.plain((0.0, 0.0))[0], [content for _, content in pairs]
+
+
+def _drawn(node: Scalar, to: Reading, path: Path) -> Any:
+    """The outline of a drawing that the cell names."""
+    from gcodesim.tools.drawing_files import strokes_of
+    from gcodesim.tools.outline_file import DrawingError, outline_of
+
+    file = _DRAWING.read(node, to, path)
+    if isinstance(file, Unread):
+        return UNREAD
+    try:
+        return outline_of(strokes_of(file.name, to.shelf.sources[file.name].raw))
+    except DrawingError as reason:
+        return to.fault("GS714", node.span, f"the drawing `{file.name}` is no outline: {reason}")
 
 
 def _written(arc: OutlineArc) -> ArcForm:

@@ -21,7 +21,10 @@ def _top(cutter: ProfileMill) -> float:
 
 @frozen
 class ProfileMill(FormCutter):
-    """A mill of any outline: points `[r, h]` from the tip outwards and up, and arcs `{arc: [r, h], centre: [r, h]}`."""
+    """A mill of any outline: points `[r, h]` from the tip outwards and up, and arcs `{arc: [r, h], centre: [r, h]}`.
+
+    The name of a DXF or SVG file stands for its lines and arcs: the axis is x = 0, what is left of it does not count.
+    """
 
     kind: ClassVar[str] = "profile_mill"
 
