@@ -40,7 +40,7 @@ class Carry:
 
 
 @frozen(eq=False)
-class Command:
+class AskedTicks:
     """Joints `q` (m, j) commanded at the last three ticks of each step, as far as they are in its window.
 
     `at` (n,) says which of them ends each step. They are what speeds and accelerations at the ends of long steps
@@ -56,13 +56,13 @@ class Command:
         return slice(first, int(self.at[end - 1]) + 1), self.at[begin:end] - first
 
 
-def command_of(plan: Plan, ticks: Ints, dt_ns: int) -> Command:
+def command_of(plan: Plan, ticks: Ints, dt_ns: int) -> AskedTicks:
     """What a world is asked in steps between `ticks` (n + 1,)."""
     ends = ticks[1:]
     asked = np.unique(np.concatenate([ends - 2, ends - 1, ends]))
     asked = asked[asked > ticks[0]]
     samples = plan.trajectory.sample((asked * dt_ns).astype(float) * 1e-9)
-    return Command(q=plan.joints(samples), at=np.searchsorted(asked, ends))
+    return AskedTicks(q=plan.joints(samples), at=np.searchsorted(asked, ends))
 
 
 @frozen(eq=False)
@@ -101,7 +101,7 @@ class StepWindow:
     piece_filament: Array | None = None
     others: dict[str, Array] = field(default_factory=dict)
     others_begin: dict[str, Array] = field(default_factory=dict)
-    command: Command | None = None
+    command: AskedTicks | None = None
 
     @property
     def first(self) -> int:

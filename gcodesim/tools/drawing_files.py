@@ -5,9 +5,9 @@ from __future__ import annotations
 import itertools
 import re
 from collections.abc import Iterator, Sequence
+from math import dist
 from typing import Final
 
-from gcodesim.arithmetic.elementary import hypot
 from gcodesim.kinematics.xml_lines import LinedElement, XmlError, parse_xml
 from gcodesim.solids.turned import Point
 from gcodesim.tools.outline_file import Arc, DrawingError, Stroke, bulged, turned_about
@@ -226,7 +226,7 @@ class _Pen:
         if abs(rx - ry) > 1e-6 * max(abs(rx), abs(ry)):
             raise DrawingError("a path has an elliptical arc; circular ones are read")
         (ax, ay), (bx, by) = self._up(self._at), self._up(end)
-        chord = float(hypot(bx - ax, by - ay))
+        chord = dist((ax, ay), (bx, by))
         radius = max(abs(rx) * self._scale, 0.5 * chord)
         if chord > 0.0:
             aside = (max(radius * radius - 0.25 * chord * chord, 0.0)) ** 0.5 / chord

@@ -8,9 +8,10 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Sequence
+from math import dist, isfinite
 from typing import Final, NamedTuple
 
-from gcodesim.arithmetic.elementary import atan2, cos_sin, hypot
+from gcodesim.arithmetic.elementary import atan2, cos_sin
 from gcodesim.frozen import frozen
 from gcodesim.solids.turned import OutlineArc, Point
 
@@ -81,6 +82,8 @@ def _on(centre: Point, radius: float, angle: float) -> Point:
 
 def outline_of(strokes: Sequence[Stroke]) -> tuple[Point | OutlineArc, ...]:
     """The outline from the tip `(0, 0)` to the top; DrawingError if the strokes are no half section."""
+    if not all(isfinite(value) for stroke in strokes for value in (*stroke.start, *stroke.end)):
+        raise DrawingError("a coordinate is not finite")
     right = [part for stroke in strokes for part in _right_of_axis(stroke)]
     left = [part for part in right if not (part.start[0] <= JOINED and part.end[0] <= JOINED and part.arc is None)]
     if not left:
@@ -89,7 +92,8 @@ def outline_of(strokes: Sequence[Stroke]) -> tuple[Point | OutlineArc, ...]:
     if not on_axis:
         raise DrawingError("no line begins on the axis, x = 0, at the tip")
     tip = min(on_axis, key=lambda end: end[1])
-    at, pieces = tip, []
+    at = tip
+    pieces: list[Point | OutlineArc] = []
     while left:
         following = next((s for s in left if _same(s.start, at) or _same(s.end, at)), None)
         if following is None:
@@ -111,7 +115,7 @@ def outline_of(strokes: Sequence[Stroke]) -> tuple[Point | OutlineArc, ...]:
 
 
 def _same(a: Point, b: Point) -> bool:
-    return float(hypot(a[0] - b[0], a[1] - b[1])) <= JOINED
+    return dist(a, b) <= JOINED
 
 
 def _lowered(piece: Point | OutlineArc, by: float) -> Point | OutlineArc:
