@@ -28,6 +28,7 @@ from gcodesim.processes.protocol import Process
 from gcodesim.processes.rows import Rows
 from gcodesim.processes.signal import SPINDLE, Signal
 from gcodesim.processes.turns import Turns
+from gcodesim.processes.wear import WEAR, worn
 from gcodesim.processes.window import ProcessState, ProcessStep, Window
 from gcodesim.processes.zone import Zone
 from gcodesim.tools.cutter import Cutter
@@ -95,7 +96,8 @@ class Milling(Process):
 
     @classmethod
     def columns_of(cls, tool: Cutter) -> tuple[Column, ...]:
-        return (*cls.writes, *LOAD_COLUMNS) if tool.watched else cls.writes
+        load = LOAD_COLUMNS if tool.watched else ()
+        return (*cls.writes, *load, *((WEAR,) if tool.life is not None else ()))
 
     @classmethod
     def of_revolved(cls, tool: Cutter, material: Material | None) -> Process | None:
@@ -229,8 +231,15 @@ class Milling(Process):
                 "rapid_bound": np.where(rapid, bound, 0.0),
                 "inside": out[:, m.INSIDE] > 0.0,
                 **({} if not self.cutter.watched else self._load.columns(out, window)),
+                **self._wear(out[:, m.ENGAGED] > 0.0, window),
             },
         )
+
+    def _wear(self, engaged: NDArray[np.bool_], window: Window) -> dict[str, Array]:
+        """Wear, if the cutter says how long its edges last."""
+        if self.cutter.life is None:
+            return {}
+        return {WEAR.name: worn(self.cutter, window.signals[SPINDLE.name], engaged & ~window.rapid, window.dt)}
 
     def _grazed(self, stock: Stock, window: Window) -> Array:
         """What a rapid may seem to remove (n,) [m³] while it only grazes: half a cell of all wall that it passes."""

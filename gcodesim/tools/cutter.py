@@ -53,6 +53,18 @@ class Dynamics:
 
 
 @frozen
+class EdgeLife:
+    """How long the edges of a tool last in what it cuts (Taylor 1907: v T^n = C, T in minutes): an estimate."""
+
+    constant: float = key(
+        Quantity("speed", POSITIVE), "C, the cutting speed at which they last a minute", example="400 m/min"
+    )
+    exponent: float = key(
+        Quantity("ratio", Range(above=0.0, most=1.0)), "n; about 0.12 for HSS, 0.25 for carbide", example="0.25"
+    )
+
+
+@frozen
 class Cutter(Tool):
     """A cutter of revolution with `flutes` equal teeth; lengths [m], angles [rad]."""
 
@@ -94,6 +106,8 @@ class Cutter(Tool):
         example="[0.02, 0.08 mm]",
     )
     dynamics: Dynamics | None = key(Dynamics, "its mode, for a warning of chatter", default=None)
+
+    life: EdgeLife | None = key(EdgeLife, "Taylor's law of its edges, for an estimate of wear", default=None)
 
     @property
     def watched(self) -> bool:

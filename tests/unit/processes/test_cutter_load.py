@@ -13,9 +13,10 @@ from gcodesim.processes.laws import LinearEdge
 from gcodesim.processes.milling import Milling
 from gcodesim.processes.stability import Mode, lobes
 from gcodesim.processes.tool_bending import BeamSection, tip_compliance
+from gcodesim.processes.wear import WEAR, worn
 from gcodesim.processes.window import Window
 from gcodesim.tools import TOOLS
-from gcodesim.tools.cutter import Dynamics
+from gcodesim.tools.cutter import Dynamics, EdgeLife
 
 LAW = LinearEdge.from_table(600.0, 0.0, 180.0, 0.0)
 OMEGA, CHIP, DEPTH = 400.0, 0.05e-3, 3e-3
@@ -105,3 +106,25 @@ def test_a_cut_deeper_than_the_limit_of_stability_is_told() -> None:
     assert 0.0 < limit < DEPTH
     assert found["beyond_stable"][late] == pytest.approx(DEPTH - limit, rel=0.02)
     assert not slot(mill(dynamics=Dynamics(frequency=900.0, damping=0.03, stiffness=4e8)))["beyond_stable"].any()
+
+
+def test_wear_is_time_in_the_cut_over_taylors_life() -> None:
+    """v T^n = C: at 2 m/s (120 m/min) with C 400 m/min and n 0.25 an edge lasts (400 / 120)^4 = 123.5 min."""
+    cutter = mill(life=EdgeLife(constant=400.0 / 60.0, exponent=0.25))
+    found = slot(cutter)
+    seconds = 0.004 * np.count_nonzero(found["engaged"])
+
+    assert OMEGA * cutter.radius == 2.0 and seconds > 1.0
+    assert found["wear"].sum() == pytest.approx(seconds / (60.0 * (400.0 / 120.0) ** 4), rel=1e-12)
+    assert WEAR in Milling.columns_of(cutter) and WEAR not in Milling.columns_of(mill())
+    assert not {column.name for column in LOAD_COLUMNS} & set(found.columns)
+
+
+def test_steps_of_different_length_wear_by_their_time() -> None:
+    cutter = mill(life=EdgeLife(constant=5.0, exponent=0.2))
+    spindle, cuts = np.array([400.0, 400.0, 0.0, -200.0, 400.0]), np.array([True, False, True, True, True])
+    each = worn(cutter, spindle, cuts, 0.5)
+    again = worn(cutter, spindle, cuts, np.array([1.0, 1.0, 1.0, 1.0, 0.25]))
+
+    assert (each[[1, 2]] == 0.0).all() and each[3] == pytest.approx(each[0] / 2.0**5)  # half the speed, n = 1/5
+    assert again == pytest.approx(each * np.array([2.0, 2.0, 2.0, 2.0, 0.5]))
