@@ -95,6 +95,12 @@ class DeviceHistory:
         i = max(bisect_right(self.times, time) - 1, 0)
         return self._share_after(i, max(time - self.times[i], 0.0))
 
+    def turns(self) -> list[float]:
+        """Times [s] at which it is switched, and at which it then comes to rest unless it is switched before."""
+        left = [1.0 - share if on else share for share, on in zip(self._share, self._on, strict=True)]
+        rests = [t + part * self.device.travel_time for t, part in zip(self.times, left, strict=True)]
+        return [*self.times, *rests]
+
     def shifts(self, time: Array) -> Array:
         """Where it is (n, 3) [m] in its frame at times (n,), seen from where it starts; of a conveyor, the belt."""
         device = self.device

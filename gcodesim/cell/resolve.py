@@ -15,6 +15,7 @@ from gcodesim.cell.placing import MACHINE, Carried, FixedLink, FrameTree, Place
 from gcodesim.cell.receivers import with_signals
 from gcodesim.cell.settings import matches, with_step
 from gcodesim.cell.stock import MeshShape, StockShape
+from gcodesim.cell.touching import check_touching
 from gcodesim.declarations.keys import keys
 from gcodesim.declarations.reading import Path, Reading, suggestion
 from gcodesim.declarations.record import list_default
@@ -59,6 +60,7 @@ def resolve(cell: Cell, to: Reading) -> Cell:
     _check_devices(cell, to)
     _check_codes(cell, to)
     _check_world(cell, to)
+    check_touching(cell, to)
     return replace(cell, spans=_spans(cell, to), defaults_used=tuple(to.defaults))
 
 

@@ -10,7 +10,8 @@ from math import isqrt
 from typing import Any, Final, Literal
 
 from gcodesim.cell.placing import Place
-from gcodesim.declarations.composed import Either
+from gcodesim.cell.touching import PairKind
+from gcodesim.declarations.composed import Either, ListOf
 from gcodesim.declarations.keys import inline, key
 from gcodesim.declarations.kind import NOT_NEGATIVE, POSITIVE, Json, Kind, Range, scalar, short
 from gcodesim.declarations.map_of import NameRule
@@ -79,6 +80,18 @@ class Limits:
     clearance: float | None = key(
         Quantity("length", POSITIVE), "least distance of links and tools from fixtures", default=None
     )
+    may_touch: tuple[tuple[str, str], ...] = key(
+        ListOf(PairKind()),
+        "pairs of bodies that are not checked against each other, by the names that findings have for them",
+        default=(),
+        quiet=True,
+        example="[[arm/link_4, post], [jaw, blank]]",
+    )
+
+    @property
+    def apart(self) -> frozenset[frozenset[str]]:
+        """The pairs that may touch, in any order."""
+        return frozenset(frozenset(pair) for pair in self.may_touch)
 
 
 _PATTERN: Final = "([Gg][Ss]|[A-Za-z][A-Za-z0-9]{2,15}-)([0-9](?:[0-9]{2}|[0-9][xX]|[xX]{2}))"

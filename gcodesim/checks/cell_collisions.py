@@ -1,4 +1,4 @@
-"""Findings about parts, devices and machines of one cell that meet each other: GS308 to GS311, GS567 and GS930."""
+"""Findings about parts, devices and machines of one cell that meet: GS304, GS308 to GS311, GS567 and GS930."""
 
 from __future__ import annotations
 
@@ -114,13 +114,16 @@ class CellWords:
         one, other = self._ordered(meeting)
         roles = {one.role, other.role}
         code = PART if "part" in roles else DEVICE if "obstacle" in roles else MACHINES
+        hint = _HINTS[code]
+        if code == MACHINES and "fixture" in roles and one.part and not other.mover:
+            code, hint = body_part(one.part).code, body_part(one.part).hint
         span, where = self._place(meeting, one, other, meeting.begin, "first ")
         depth = -meeting.gap / MM
         return Diagnostic(
             code=code,
             message=f"{_words(one, meeting.held)} hits {_words(other, meeting.held)}, {depth:.3f} mm deep{where}",
             span=span,
-            hint=_HINTS[code],
+            hint=hint,
             time=meeting.begin,
             value=depth,
             limit=0.0,

@@ -6,7 +6,7 @@ what is fixed, and `meetings` looks at the whole way in one search.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
@@ -58,10 +58,15 @@ class Mounted:
     end: float
 
 
-def may_meet(one: CellBody, other: CellBody) -> bool:
-    """Whether a meeting of two bodies is looked for here; see `MachineChecks` for those of one machine."""
+def may_meet(one: CellBody, other: CellBody, grippers: Collection[int]) -> bool:
+    """Whether a meeting of two bodies is looked for here; see `MachineChecks` for those of one machine.
+
+    Grippers are no bodies of revolution, and do not keep their shape: what they do to fixtures is looked for here, too.
+    """
     roles = {one.role, other.role}
     if roles & {"part", "obstacle"}:
+        return True
+    if "fixture" in roles and (one.tool in grippers or other.tool in grippers):
         return True
     if not one.mover or not other.mover or one.mover == other.mover:
         return False
@@ -116,7 +121,7 @@ class CellSearch:
             (i, j)
             for j in range(len(bodies))
             for i in range(j)
-            if may_meet(bodies[i], bodies[j])
+            if may_meet(bodies[i], bodies[j], self.grippers)
             and frozenset((bodies[i].rigid.name, bodies[j].rigid.name)) not in self.apart
         ]
         return np.array(found, dtype=np.int64).reshape(-1, 2)

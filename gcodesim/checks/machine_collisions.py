@@ -17,6 +17,7 @@ from gcodesim.checks.rigid import Convex
 from gcodesim.diagnostics import Diagnostic
 from gcodesim.frames import Array, Pose
 from gcodesim.kinematics.chain import Tree
+from gcodesim.tools.gripper import Gripper
 from gcodesim.tools.parts import body_part
 from gcodesim.units import MM
 
@@ -44,7 +45,8 @@ class MachineChecks:
     """A machine, its tools by number and what is around it, checked plan by plan; `X_BM` is machine zero in B.
 
     Links, tools and carried fixtures that come nearer than `clearance` [m] to a fixture are near misses.
-    `allowed` are names of bodies of the machine that were in each other where a plan began.
+    `allowed` are names of bodies of the machine that were in each other where a plan began; pairs of names that are
+    `apart` are not looked at.
     """
 
     machine: MachineBodies
@@ -52,6 +54,7 @@ class MachineChecks:
     X_BM: Pose
     clearance: float | None = None
     allowed: set[tuple[str, str]] = field(default_factory=set)
+    apart: frozenset[frozenset[str]] = frozenset()
 
     def fixtures_beside(self, plan: Plan) -> frozenset[str] | None:
         """Labels of the fixtures that a tool may come nearer to than `_BESIDE`; None: of any."""
@@ -97,7 +100,10 @@ class _Check:
                 (i, j)
                 for j in range(len(own), len(bodies))
                 for i in range(len(own))
-                if own[i].role == "fixture" and own[i].carrier != bodies[j].carrier and self.checks.clearance
+                if own[i].role == "fixture"
+                and own[i].carrier != bodies[j].carrier
+                and self.checks.clearance
+                and not isinstance(tool, Gripper)  # see `cell_meetings`
             ]
             if self._maybe(bodies, pairs) or self._maybe(bodies, beside):
                 for run in self._runs_of(number):
@@ -156,7 +162,9 @@ class _Check:
         """Those pairs whose bounds may meet somewhere in the travel of the plan."""
         boxes = [swept_bounds(body, self.machine.tree, *self._travel) for body in bodies]
         room = max(self.checks.clearance or 0.0, least)
-        return [(i, j) for i, j in pairs if _cross(boxes[i], boxes[j], room)]
+        names = [body.rigid.name for body in bodies]
+        asked = [pair for pair in pairs if frozenset(names[k] for k in pair) not in self.checks.apart]
+        return [(i, j) for i, j in asked if _cross(boxes[i], boxes[j], room)]
 
     def _of_bodies(
         self, bodies: Sequence[CarriedBody], pairs: Pairs, run: tuple[int, int] | None

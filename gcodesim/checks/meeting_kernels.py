@@ -25,6 +25,7 @@ from gcodesim.checks.way_kernels import (
     WayRoom,
     descend,
     gap_at,
+    place_at,
     seen_from,
     slack_of,
 )
@@ -180,20 +181,16 @@ def least_gap(
 ) -> float:
     """The signed gap [m] of two bodies at a share of a stretch; inf when the balls around them are apart."""
     room, gaps = rooms
-    for j in range(way.q.shape[1]):
-        room.q[j] = way.q[place[0], j] + place[1] * (way.q[place[0] + 1, j] - way.q[place[0], j])
-    joint_frames(room.q, chain.parent, chain.before, chain.axis, chain.prismatic, room.frames)
-    seen_from(room.frames, couple.common[p], couple.first[p], walk.Xa)
-    seen_from(room.frames, couple.common[p], couple.second[p], walk.Xb)
+    place_at(p, place[0], place[1], couple, chain, way, room)
     nodes = walk.nodes
     nodes[0, 0], nodes[0, 1] = pair[0], pair[1]
     top, least = 0, math.inf
     while True:
-        top = next_leaves(top, 1e-3, forest, nodes, walk.Xa, walk.Xb)
+        top = next_leaves(top, 1e-3, forest, nodes, room.Xa, room.Xb)
         if top < 0:
             return least
         a, b = forest.convex[nodes[top, 0]], forest.convex[nodes[top, 1]]
-        least = min(least, signed_gap(a, b, bodies, walk.Xa, walk.Xb, math.inf, gaps, room.n))
+        least = min(least, signed_gap(a, b, bodies, room.Xa, room.Xb, math.inf, gaps, room.n))
         top -= 1
 
 

@@ -137,8 +137,9 @@ class MovingBodies:
         meet(self._roots, level, 0.0, scene, walk, rooms, found)
         meetings = self._inside_at_start(way) if level <= 0.0 else []
         inside = {(meeting.first, meeting.second) for meeting in meetings}
+        count = int(found.used[0])
         for (p, k, last, deepest, a, b), (share, worst, gap) in zip(
-            found.rows[: found.used[0]].tolist(), found.figures.tolist(), strict=False
+            found.rows[:count].tolist(), found.figures[:count].tolist(), strict=True
         ):
             if level <= 0.0 and share > 0.0:
                 share = float(beginning(p, a, b, (k, share), 0.0, scene, rooms))

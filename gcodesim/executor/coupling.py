@@ -41,6 +41,7 @@ class Coupling:
     ) -> None:
         self._plan, self._shop, self._rows = plan, shop, rows
         self._tasks = Tasks(shop, parts, only)
+        self._parts = parts
         self._switching = Switching(plan, shop)
         self._gears_move = gears_move
         self._bent: Array | None = None  # how far (1, 3) [m] in B loads have put the tip at the end of the last steps
@@ -68,7 +69,10 @@ class Coupling:
             return self.tip_jacobian(steps, begin, end)
 
         ask = None if self._gears_move else jacobian
-        made = [stint_of(self._shop, self._rows, task, steps, begin, end, ask, self._switching) for task in tasks]
+        made = [
+            stint_of(self._shop, self._rows, task, steps, begin, end, ask, self._switching, self._parts)
+            for task in tasks
+        ]
         stints = [stint for stint in made if stint is not None]
         self._bend(steps, begin, end, stints)
         return Stretch(self._plan, steps, begin, end, stints)

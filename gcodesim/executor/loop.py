@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from gcodesim.diagnostics import Diagnostic
 from gcodesim.executor.ahead import CutThread, WindowCut
 from gcodesim.executor.behind import Behind
 from gcodesim.executor.made_by import passes_of
@@ -97,7 +96,7 @@ def execute_together(
             steps = pacing.windows(first_track.plan, first_track.rows.rapid, first, planned, most, stops)
             cuts = windows(tracks, first, steps)
             now = next(cuts, None)
-            taken: list[tuple[Track, StepRecord, Sequence[Diagnostic]]] = []
+            taken: Taken = []
             while now is not None:
                 track, cut = now
                 if track.world.keeps_to_command:
@@ -111,11 +110,12 @@ def execute_together(
                 done, follows = _move(track, cutter, cut, ahead)
                 record = track.take(cut, done)
                 del in_hand[0]
-                taken.append((track, record, track.found(record)))
+                taken.append((track, record))
                 if cut.looks:
-                    if things is not None and (things.names or things.devices.frames):
+                    if things is not None and things.things:
                         taken = _with_parts(things, taken)
-                    for each, its, found in taken:
+                    for each, its in taken:
+                        found = each.found(its)
                         if each.watcher is not None:
                             behind.do(each.watcher.take(its, found, cut.seen if each is first_track else ()))
                     taken = []
@@ -158,16 +158,16 @@ def _parts_of(channels: Sequence[TrackPlan], world_name: str, dt_ns: int) -> Par
     return PartRun(shop, world_name, dt_ns * 1e-9) if shop.moves_parts else None
 
 
-Taken = list[tuple[Track, StepRecord, Sequence[Diagnostic]]]
+Taken = list[tuple[Track, StepRecord]]
 
 
 def _with_parts(parts: PartRun, taken: Taken) -> Taken:
     """The records of all channels in the same steps, the first with the places of the parts."""
-    track, record, found = taken[0]
-    q = {each.shop.name: its.world.q for each, its, _ in taken}
+    track, record = taken[0]
+    q = {each.shop.name: its.world.q for each, its in taken}
     poses = parts.poses(record.window.first, q)
     parts.ran.forget(record.window.end)
-    return [(track, replace(record, parts=poses), found), *taken[1:]]
+    return [(track, replace(record, parts=poses, things=parts.things)), *taken[1:]]
 
 
 def _move(track: Track, cutter: CutThread, cut: WindowCut, following: WindowCut | None) -> tuple[WorldSteps, bool]:

@@ -24,6 +24,7 @@ from gcodesim.solids.mass import MassOfSkin, mass_of_skin
 from gcodesim.solids.resting import SUNK, gap_below
 from gcodesim.world import fall_of
 from gcodesim.world.body import Inertia, ToolBody
+from gcodesim.world.falling import Below, Drop
 from gcodesim.world.protocol import STANDARD_GRAVITY
 
 SET_DOWN: Final = 0.5e-3
@@ -146,10 +147,9 @@ class PartRun:
             end[2, 3] -= height if settle else 0.0
             track = None
         else:
-            body, mass = self.skins[name], self.masses[name]
-            rows = fall_of(self.world_name)(
-                body, mass, X_W, velocity, others, self._floor_below(skin), height, self.gravity, self.dt
-            )
+            drop = Drop(self.skins[name], self.masses[name], X_W, velocity)
+            below = Below(others, self._floor_below(skin), height)
+            rows = fall_of(self.world_name)(drop, below, self.gravity, self.dt)
             end, track = rows[-1], Fall(step=step, X=rows)
             if self.world_name != "kinematic":
                 support = self._gap(_moved(self.skins[name], Pose.from_matrix(end)), others)[1]
@@ -213,6 +213,26 @@ class PartRun:
 
     def was_let_go(self, name: str, X_W: Array) -> None:
         self._counts[name].let_go = X_W
+
+    @property
+    def things(self) -> tuple[str, ...]:
+        """The frames of parts, then those of devices."""
+        return (*self.names, *self.devices.frames)
+
+    def before(self, name: str, step: int) -> int:
+        """The step before this one; this one itself if a part is taken or let go in it: where it was is forgotten."""
+        return step if self.planned.changes_in(name, step) else step - 1
+
+    def seen_from(self, shop: Shop, frame: str, first: int, q: Mapping[str, Array]) -> Array | None:
+        """X_BF (n, 4, 4) of a part or a device at the ends of steps, from the base of a shop, as planned by now."""
+        if frame in self.devices.frames:
+            X_WF = self.devices.drawn(frame, first, len(next(iter(q.values()))))
+        elif frame in self.planned.bodies:
+            X_WF = self.planned.poses(frame, first, q)
+        else:
+            return None
+        X_BF: Array = multiplied(shop.X_WB.inverse().matrix, X_WF)
+        return X_BF
 
     def poses(self, first: int, q: Mapping[str, Array]) -> Array:
         """X_W (n, parts and devices, 4, 4) at the ends of steps that have been run."""

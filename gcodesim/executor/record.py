@@ -29,7 +29,7 @@ class StepRecord:
     wrench, deflection (n, 6) in base axes at the tip; `kind` (n,) points into the kinds of the sheet; `columns` (n,)
     by name are those of the sheet, zero where no process gives a value; `feeds` (n,) are steps along feed moves.
     `grips` are what happened to parts, each with its step of the record; `parts` (n, parts, 4, 4) is X_WP of all
-    parts, in the record of the first channel.
+    parts, then of all devices, and `things` their frames; both in the record of the first channel.
     """
 
     window: StepWindow
@@ -42,6 +42,7 @@ class StepRecord:
     feeds: NDArray[np.bool_]
     grips: tuple[tuple[int, GripEvent], ...] = ()
     parts: Array | None = None
+    things: tuple[str, ...] = ()
 
     def __len__(self) -> int:
         return len(self.window)
@@ -49,6 +50,16 @@ class StepRecord:
     def __getitem__(self, column: str) -> NDArray[Any]:
         """A column (n,)."""
         return self.columns[column]
+
+    def places(self, row: int) -> dict[str, Array]:
+        """X_WF (4, 4) of parts and devices at the end of a step, by their frames."""
+        return {} if self.parts is None else dict(zip(self.things, self.parts[row], strict=True))
+
+    def opening(self, row: int, widest: float) -> float:
+        """How far open (0 to 1) a gripper is in a step that opens so wide [m]."""
+        if "opening" not in self.columns or widest <= 0.0:
+            return 1.0
+        return min(float(self.columns["opening"][row]) / widest, 1.0)
 
     @property
     def net_removed(self) -> Array:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from gcodesim.arithmetic.matrices import applied, inverse_pose, multiplied
 from gcodesim.arithmetic.turn_kernels import into_axes, wrench_from_axes
-from gcodesim.executor.part_run import PartsInWindow, PartsTarget
+from gcodesim.executor.part_run import PartRun, PartsInWindow, PartsTarget
 from gcodesim.executor.switching import Switching
 from gcodesim.executor.targets import Bounds
 from gcodesim.executor.tasks import RowColumns, Task
@@ -31,7 +31,8 @@ class Stint:
 
     `share` (c, 2) tells where in its step each piece begins and ends, `row` (c,) which path row it is of. `answer`
     is what the process did, None while it is away from its target, and
-    `wrench` (n, 6) what the tool felt, in base axes. `parts` is what a gripper is given.
+    `wrench` (n, 6) what the tool felt, in base axes. `parts` is what a gripper is given. `anew` makes the stint for a
+    target that a gripper or a belt may move: where it is by then is known only when it is the turn of these steps.
     """
 
     task: Task
@@ -42,12 +43,18 @@ class Stint:
     share: Array
     row: NDArray[np.int64]
     parts: PartsInWindow | None = None
+    anew: Callable[[], Stint | None] | None = None
     answer: ProcessStep | None = None
     wrench: Array | None = None
     _loop: Any = field(default=None)
 
     def run(self) -> None:
         """All steps at once, as commanded."""
+        if self.anew is not None:
+            now = self.anew()
+            if now is None:
+                return
+            self.window, self.X_BS, self.share, self.row = now.window, now.X_BS, now.share, now.row
         task, window = self.task, self.window
         if self.parts is not None:
             self.parts.begin()
@@ -118,16 +125,53 @@ def stint_of(
     end: int,
     jacobian: Callable[[], Array] | None,
     switching: Switching,
+    parts: PartRun | None = None,
 ) -> Stint | None:
     """The stint for steps `begin` to `end`, all with the task's tool; None if it stays away from the target.
 
     `jacobian` gives those of the tip (n, 6, j) in base axes; a rigid machine does not ask for them. None: the world
     itself moves the gears, so that they are no matter of the process. `switching` says when signals are set; only
-    grippers ask for it.
+    grippers ask for it. `parts` are those of the run: some targets are among them.
     """
+    joints, before = steps.joints(shop.name, begin, end), steps.joints_before(shop.name, begin)
+    first, frame = steps.first + begin, task.target.frame
+
+    def where(other: str) -> Array:
+        """X_BF (n, 4, 4) as far as it is known by now."""
+        moved = None if parts is None else parts.seen_from(shop, other, first, joints)
+        return shop.scene.seen_from(shop.name, other, joints) if moved is None else moved
+
+    def made(held: Array, X_BS: Array) -> Stint | None:
+        return _stint_at(shop, rows, task, steps, begin, end, jacobian, switching, held, X_BS, where)
+
+    stint = made(*(shop.scene.seen_from(shop.name, frame, q) for q in (before, joints)))
+    if stint is None or parts is None or frame not in parts.things:
+        return stint
+
+    def anew() -> Stint | None:
+        held = parts.seen_from(shop, frame, parts.before(frame, first), before)
+        assert held is not None
+        return made(held, where(frame))
+
+    stint.anew = anew
+    return stint
+
+
+def _stint_at(
+    shop: Shop,
+    rows: RowColumns,
+    task: Task,
+    steps: StepWindow,
+    begin: int,
+    end: int,
+    jacobian: Callable[[], Array] | None,
+    switching: Switching,
+    first_X: Array,
+    X_BS: Array,
+    where: Callable[[str], Array],
+) -> Stint | None:
+    """See `stint_of`; the target comes from `first_X` (1, 4, 4) and is at X_BS (n, 4, 4), others are at `where`."""
     count = end - begin
-    X_BS = shop.scene.seen_from(shop.name, task.target.frame, steps.joints(shop.name, begin, end))
-    first_X = shop.scene.seen_from(shop.name, task.target.frame, steps.joints_before(shop.name, begin))
     held = np.concatenate([first_X, X_BS[:-1]])
     moving = bool((X_BS[:, :3] != first_X[:, :3]).any())
     if moving:  # the table turns or travels: chords between the ends of steps, seen from the stock
@@ -178,7 +222,7 @@ def stint_of(
         dt=dt if steps.command is not None else float(dt[0]),
         filament=filament,
         side=applied(R_SB, steps.tip[begin:end, :3, 0]),
-        where=_places(shop, steps.joints(shop.name, begin, end), X_BS),
+        where=_places(where, X_BS),
         compliance=_seen_from(R_SB, compliance(jacobian(), shop.stiffness))
         if task.process.pushes and shop.stiffness is not None and jacobian is not None
         else None,
@@ -190,11 +234,11 @@ def stint_of(
     return Stint(task=task, begin=begin, end=end, window=window, X_BS=X_BS, share=share, row=row, parts=parts)
 
 
-def _places(shop: Shop, q: dict[str, Array], X_BS: Array) -> Callable[[str], Array]:
-    """Poses X_SF (n, 4, 4) of frames of the scene, with the joints of all movers at `q`."""
+def _places(seen_from_base: Callable[[str], Array], X_BS: Array) -> Callable[[str], Array]:
+    """Poses X_SF (n, 4, 4) of frames of the scene."""
 
     def where(frame: str) -> Array:
-        X_SF: Array = multiplied(inverse_pose(X_BS), shop.scene.seen_from(shop.name, frame, q))
+        X_SF: Array = multiplied(inverse_pose(X_BS), seen_from_base(frame))
         return X_SF
 
     return where

@@ -369,6 +369,11 @@ def _between(
     yield from zip(tracks, cuts, strict=True)
 
 
+def _grips(stint: Stint) -> bool:
+    """Whether a gripper closes or opens in these steps."""
+    return bool(np.ptp(stint.window.signals[GRIP.name]))
+
+
 def _near(one: WindowCut, other: WindowCut) -> bool:
     """Whether processes of two channels may act at one place of a target in these windows."""
     return any(_meet(a, b) for a in one.stints for b in other.stints)
@@ -376,10 +381,14 @@ def _near(one: WindowCut, other: WindowCut) -> bool:
 
 def _meet(a: Stint, b: Stint) -> bool:
     if a.parts is not None and b.parts is not None:  # who takes or lets go may meet the other one
-        return any(bool(np.ptp(own.window.signals[GRIP.name])) for own in (a, b))
+        return any(_grips(own) for own in (a, b))
+    if (a.parts is not None and b.anew is not None and _grips(a)) or (
+        b.parts is not None and a.anew is not None and _grips(b)
+    ):  # what the one acts on may go away with the other
+        return True
     if not a.task.target.name or a.task.target.name != b.task.target.name:
         return False
-    if a.task.process.zone.everywhere or b.task.process.zone.everywhere:
+    if a.anew is not None or a.task.process.zone.everywhere or b.task.process.zone.everywhere:
         return True
     (low, high), (least, most) = a.bounds, b.bounds
     return bool((low < most).all() and (high > least).all())

@@ -60,7 +60,8 @@ def write_part(
         write_stl(exact, out)
         return Written(len(exact.faces), exact=True)
     moment = recording.end_ns if t_ns is None else t_ns
-    drawn = [drawing for drawing in recording.stock_at(moment) if drawing.frame == frame]
+    all_drawn = [drawing for drawing in recording.stock_at(moment) if drawing.frame == frame]
+    drawn = [drawing for drawing in all_drawn if not drawing.id.startswith("film/")]
     surface = _drawn(drawn)
     if not len(surface.faces):
         raise NoPartError("the log draws no stock at that moment")

@@ -35,7 +35,9 @@ _KEYS: Final = {"part": "parts", "device": "devices", "fixture": "fixtures", "st
 
 def meets_others(shop: Shop, channels: int) -> bool:
     """Whether there is anything in a cell that only `collisions` looks at."""
-    return bool(shop.cell.parts or shop.cell.devices) or channels > 1 or len(shop.scene.movers) > 1
+    cell = shop.cell
+    grips = bool(cell.fixtures) and any(isinstance(tool, Gripper) for tool in cell.tools.values())
+    return bool(cell.parts or cell.devices) or channels > 1 or len(shop.scene.movers) > 1 or grips
 
 
 def collisions(job: Job, stays: Sequence[Stay] | None, end: float | None = None) -> Iterator[Diagnostic]:
@@ -91,6 +93,7 @@ def collisions(job: Job, stays: Sequence[Stay] | None, end: float | None = None)
         mounted=mounted,
         grippers={n: getattr(tool, "reach", 0.0) for n, tool in cell.tools.items() if isinstance(tool, Gripper)},
         clearance=cell.limits.clearance,
+        apart=cell.limits.apart,
     )
 
     def span_of(body: CellBody) -> Span:
@@ -128,7 +131,8 @@ def _history(name: str, device: Device, shops: Sequence[Shop], plans: Sequence[P
 
 def _nodes(history: DeviceHistory) -> list[float]:
     """Times [s] at which a device begins to move, or comes to rest."""
-    return [t for time in history.times for t in (time - _JUMP, time, time + history.device.travel_time)]
+    jumps = [] if history.device.travel_time > 0.0 else [time - _JUMP for time in history.times]
+    return [*jumps, *history.turns()]
 
 
 def _at_rest(shop: Shop, frame: str) -> Stay:
@@ -247,13 +251,12 @@ def _joints_of(
 
 def _way_of(device: Device, history: DeviceHistory, times: Array) -> Array:
     """How far (n,) [m] a device, or its belt, has gone along its direction; what jumps, in a moment before it."""
+    nodes = np.unique(np.array(_nodes(history)))
     if device.speed > 0.0:
-        way: Array = history.shifts(times)[:, 0]
-        return way
-    far = float(np.sqrt(np.sum(np.square(device.travel))))
-    if device.travel_time > 0.0:
-        return far * np.array([history.share(float(time)) for time in times])
-    nodes = np.array([t for time in history.times for t in (time - _JUMP, time)])
-    shares = np.array([history.share(float(t)) for t in nodes])
-    jumps: Array = far * np.interp(times, nodes, shares)
-    return jumps
+        nodes = np.append(nodes, max(float(times.max(initial=0.0)), float(nodes[-1])) + 1.0)
+        shifts = history.shifts(nodes)[:, 0]
+    else:
+        far = float(np.sqrt(np.sum(np.square(device.travel))))
+        shifts = far * np.array([history.share(float(t)) for t in nodes])
+    way: Array = np.interp(times, nodes, shifts)
+    return way

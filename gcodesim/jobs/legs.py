@@ -37,6 +37,7 @@ from gcodesim.planning.legs import followed_by
 from gcodesim.planning.switched import history_of
 from gcodesim.processes.signal import ACTIVE, BEAM, BEAM_POWER, FLOW, SPRAY
 from gcodesim.shop import Shop, with_stock
+from gcodesim.tools.gripper import Gripper
 from gcodesim.units import MM
 
 if TYPE_CHECKING:
@@ -234,8 +235,10 @@ class Legs:
 
             beside = self._machine_checks.fixtures_beside(plan)
             standing = [some.only(beside) for some in standing_bodies(shop.scene, shop.name)]
-            hits = clearance_findings(plan, shop.cell.tools, standing, X_BM=shop.X_BM)
-            yield from (hit for hit in hits if not self._backs_off(hit))
+            tools = {number: tool for number, tool in shop.cell.tools.items() if not isinstance(tool, Gripper)}
+            hits = clearance_findings(plan, tools, standing, X_BM=shop.X_BM)
+            apart = shop.cell.limits.apart
+            yield from (hit for hit in hits if frozenset(hit.bodies) not in apart and not self._backs_off(hit))
         yield from self._machine_checks.findings(plan)
 
     @cached_property
@@ -246,7 +249,8 @@ class Legs:
 
         shop = self.shop
         machine = MachineBodies.of(shop.scene, shop.name)
-        return MachineChecks(machine, shop.cell.tools, shop.X_BM, shop.cell.limits.clearance)
+        limits = shop.cell.limits
+        return MachineChecks(machine, shop.cell.tools, shop.X_BM, limits.clearance, apart=limits.apart)
 
     def _backs_off(self, hit: Diagnostic) -> bool:
         """Whether a tool is only on its way out of what it has probed."""

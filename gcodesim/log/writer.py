@@ -289,6 +289,11 @@ class LogWriter:
         """All added material of one tile."""
         self._tile("added", t_ns, index, meshes, frame)
 
+    def film(self, t_ns: int, index: int, name: str, meshes: Sequence[DrawnMesh], frame: str) -> None:
+        """All of one film, as the entity `name`; it has the topic of an added tile."""
+        entity = Entity(id=name, frame=self._frame(frame), shapes=tuple(meshes))
+        self._add_one(tile_topic("added", index), t_ns, entities_update(t_ns, [entity]))
+
     def _tile(self, family: str, t_ns: int, index: int, meshes: Sequence[DrawnMesh], frame: str) -> None:
         shown = tuple(mesh for mesh in meshes if len(mesh.triangles))
         entity = Entity(id=f"{family}/{index:02d}", frame=self._frame(frame), shapes=shown)

@@ -20,6 +20,7 @@ from gcodesim.sensors.noise import Noise
 from gcodesim.sensors.outputs import Output, digest
 from gcodesim.sensors.scenery import Scenery
 from gcodesim.sensors.sensor import Sight
+from gcodesim.tools.gripper import Gripper
 
 if TYPE_CHECKING:
     from gcodesim.executor.record import StepRecord
@@ -123,7 +124,7 @@ class Eyes:
         def work() -> None:
             if record.window.first == 0:
                 self._at_start()
-            self._read_window(record.world, record.window, seen.surfaces)
+            self._read_window(record, seen.surfaces)
             if written is not None:
                 written()
 
@@ -144,14 +145,15 @@ class Eyes:
             if 0 in self._due[station.name]:
                 self._read(station, 0, world, window, 0, surfaces)
 
-    def _read_window(self, world: WorldSteps, window: StepWindow, surfaces: Mapping[str, Surface] | None) -> None:
+    def _read_window(self, record: StepRecord, surfaces: Mapping[str, Surface] | None) -> None:
+        world, window = record.world, record.window
         last = window.end
         self._used.update(np.unique(window.tool).tolist())
         for station in self.stations:
             due = self._due[station.name]
             if station.sensor.sees:
                 if last in due and surfaces is not None:
-                    self._read(station, last, world, window, len(window) - 1, surfaces)
+                    self._read(station, last, world, window, len(window) - 1, surfaces, record)
             else:
                 for step in sorted(step for step in due if window.first < step <= last):
                     self._read(station, step, world, window, step - window.first - 1, {})
@@ -164,8 +166,12 @@ class Eyes:
         window: StepWindow,
         row: int,
         surfaces: Mapping[str, Surface],
+        record: StepRecord | None = None,
     ) -> None:
-        """One reading at the end of a step, which is `row` of the window; none of a tool that is not in use."""
+        """One reading at the end of a step, which is `row` of the window; none of a tool that is not in use.
+
+        `record` knows where parts and devices are; without it they are where they were first.
+        """
         tool = int(window.tool[row])
         if station.tool is not None and station.tool != tool:
             return
@@ -175,7 +181,7 @@ class Eyes:
         X_WC = place_of(station, self._stage, q, tool)
         sight = Sight(
             X_WC=X_WC,
-            scenery=self._stage.scenery(q, tool, surfaces) if station.sensor.sees else _NOTHING,
+            scenery=seen_in(self._stage, q, tool, surfaces, record, row) if station.sensor.sees else _NOTHING,
             noise=Noise(self._seed, station.name, tally.readings),
             load=load_at(self._shop, X_WC, q, world.reaction[row]) if station.sensor.on_flange else np.zeros(6),
         )
@@ -234,6 +240,22 @@ class Eyes:
                     hint=f"give it a `period`, or have a word of the program do it: {how}"
                     + ("" if station.tool is None else ", while the tool is in use"),
                 )
+
+
+def seen_in(
+    stage: Stage,
+    q: Mapping[str, Array],
+    tool: int,
+    surfaces: Mapping[str, Surface],
+    record: StepRecord | None,
+    row: int,
+) -> Scenery:
+    """What stands there at the end of a step, which is `row` of the record; see `Stage.scenery`."""
+    if record is None:
+        return stage.scenery(q, tool, surfaces)
+    held = stage.shop.tool(tool)
+    opening = record.opening(row, held.widest) if isinstance(held, Gripper) else 1.0
+    return stage.scenery(q, tool, surfaces, places=record.places(row), opening=opening)
 
 
 def place_of(station: Station, stage: Stage, q: Mapping[str, Array], tool: int) -> Array:

@@ -11,10 +11,11 @@ from numpy.typing import NDArray
 from gcodesim.arithmetic.matrices import multiplied
 from gcodesim.frames import Array, Pose
 from gcodesim.frozen import frozen
-from gcodesim.scene import Body, Hold, Mover
-from gcodesim.scene.colors import CUT, FIXTURE, PART, RAW, Color
+from gcodesim.scene import Body, Mover
+from gcodesim.scene.colors import CUT, DEVICE, FIXTURE, PART, RAW, Color
 from gcodesim.sensors.scenery import Scenery
 from gcodesim.solids import Placed, triangles_of
+from gcodesim.tools.gripper import Gripper
 from gcodesim.tools.parts import body_part
 
 if TYPE_CHECKING:
@@ -27,7 +28,9 @@ Bytes = NDArray[np.uint8]
 SEEN_COLUMNS: Final = 160_000
 """Columns of a stock that a sensor sees: finer than most pictures show."""
 
-_ROLES: Final = {"fixture": FIXTURE, "part": PART, "obstacle": FIXTURE}
+_AT_REST: Final[Mapping[str, Array]] = {}
+
+_ROLES: Final = {"fixture": FIXTURE, "part": PART, "obstacle": DEVICE}
 
 
 @frozen(kw_only=False, eq=False)
@@ -67,18 +70,25 @@ class Stage:
         tool: int,
         surfaces: Mapping[str, Surface],
         *,
-        holds: Sequence[Hold] = (),
+        places: Mapping[str, Array] = _AT_REST,
+        opening: float = 1.0,
         lines: Iterable[tuple[Array, Bytes]] = (),
     ) -> Scenery:
         """Everything with the joints of movers at `q[mover]` (j,), the own mover with `tool`, stocks with `surfaces`.
 
-        `lines` (l, 2, 3) [m] in the world are drawn besides.
+        `places` are X_WF (4, 4) of bodies that something else moves, such as parts and devices, by their frames; a
+        gripper is `opening` (0 to 1) open. `lines` (l, 2, 3) [m] in the world are drawn besides.
         """
         rows = {name: joints[None] for name, joints in q.items()}
-        return Scenery.of(self._parts(rows, tool, surfaces, holds), lines)
+        return Scenery.of(self._parts(rows, tool, surfaces, places, opening), lines)
 
     def _parts(
-        self, q: Mapping[str, Array], tool: int, surfaces: Mapping[str, Surface], holds: Sequence[Hold]
+        self,
+        q: Mapping[str, Array],
+        tool: int,
+        surfaces: Mapping[str, Surface],
+        places: Mapping[str, Array],
+        opening: float,
     ) -> Iterator[tuple[Array, Bytes]]:
         scene = self.shop.scene
         for name, mover in scene.movers.items():
@@ -86,12 +96,17 @@ class Stage:
             for index, skin in self.links[name]:
                 yield skin.at(multiplied(mover.X_WB.matrix, at[index]))
         for frame, skin in self.bodies:
-            yield skin.at(scene.track(frame, q, holds)[0])
+            yield skin.at(places[frame] if frame in places else scene.track(frame, q)[0])
         X_WT = self.tip(q, tool)
-        for skin in self.tools.get(tool, ()):
+        held = self.shop.tool(tool)
+        if isinstance(held, Gripper):
+            skins = [skin for part, placed in held.drawn(opening) for skin in _skins([placed], body_part(part).color)]
+        else:
+            skins = [*self.tools.get(tool, ())]
+        for skin in skins:
             yield skin.at(X_WT)
         for name, surface in surfaces.items():
-            yield stock_skin(surface).at(scene.track(self.shop.stocks[name].frame, q, holds)[0])
+            yield stock_skin(surface).at(scene.track(self.shop.stocks[name].frame, q)[0])
 
     def tip(self, q: Mapping[str, Array], tool: int) -> Array:
         """X_WT (4, 4) of the tool on the flange of the own mover, at `q[mover]` (1, j)."""

@@ -10,7 +10,7 @@ from gcodesim.log import DrawnMesh, DrawnShape, DrawnSolid, Entity
 from gcodesim.log.shapes import Color
 from gcodesim.recorder.frames import Frames
 from gcodesim.scene import Role
-from gcodesim.scene.colors import CUT, FIXTURE, PART, RAW
+from gcodesim.scene.colors import CUT, DEVICE, FIXTURE, PART, RAW
 from gcodesim.solids import Box, Cone, Cylinder, Hulls, Placed, Sphere, triangles_of
 from gcodesim.tools.gripper import Gripper
 from gcodesim.tools.parts import body_part
@@ -18,8 +18,6 @@ from gcodesim.tools.parts import body_part
 if TYPE_CHECKING:
     from gcodesim.material.surface import Tile
     from gcodesim.tools.tool import Tool
-
-DEVICE: Final[Color] = (0.5, 0.52, 0.4, 1.0)
 
 
 _COLORS: Final[Mapping[Role, Color]] = {"fixture": FIXTURE, "part": PART, "obstacle": DEVICE}

@@ -37,6 +37,7 @@ from gcodesim.motion.tool_path import HOME, RAPID
 from gcodesim.processes.column import FORCE, LOG, POWER, RESULTS, TORQUE, Column
 from gcodesim.recorder.blocks import Blocks
 from gcodesim.recorder.bodies import cell_entities, tile_meshes, tool_shapes
+from gcodesim.recorder.films import MOST_FILM_LOOKS, FilmGlimpse, Films
 from gcodesim.recorder.frames import Frames, seven, stock_frame, work_systems
 from gcodesim.recorder.instants import Instants
 from gcodesim.recorder.limits import JointLimits
@@ -61,6 +62,9 @@ if TYPE_CHECKING:
     from gcodesim.planning import Plan
     from gcodesim.sensors.outputs import Output
     from gcodesim.world import WorldSteps
+
+Seen = tuple[Sequence["Glimpse"], Sequence[FilmGlimpse]]
+"""What a look has shown of the stocks and of the films."""
 
 TILE_PERIOD_NS: Final = 500_000_000
 """Stock is drawn at most this often."""
@@ -113,6 +117,7 @@ class Recorder:
         self._drawn = len(self._plan.path)  # rows
         self._expected: deque[Sequence[Diagnostic]] = deque()
         self._tiles: list[Tiles] = []
+        self._films = Films((), (), ()) if prefix else self._films_of(job)
         self._tile_ns = self._tile_period(
             max(each.plan.trajectory.duration_ns for each in job.all if each.plan is not None)
         )
@@ -134,6 +139,17 @@ class Recorder:
 
     def _tiles_of(self, stock: Stock) -> Tiles:
         return stock.tiles(across=self._across, spacing=stock.spacing_for(DRAWN_COLUMNS))
+
+    def _films_of(self, job: Job) -> Films:
+        assert job.cell is not None
+        coated = list(self._shop.coated.values())
+        specs = [job.cell.coats[each.frame] for each in coated]
+        return Films(coated, [spec.most for spec in specs], [spec.bare for spec in specs])
+
+    @property
+    def _film_ns(self) -> int:
+        """Time between two looks at films."""
+        return max(1, MOST_TILE_LOOKS // MOST_FILM_LOOKS) * self._tile_ns
 
     @property
     def _across(self) -> int:
@@ -206,6 +222,7 @@ class Recorder:
             process_fields=fields,
             sensor_topics=sensor_topics(self._shop),
             stock_tiles=max(1, sum(len(tiles) for tiles in self._tiles)),
+            added_tiles=len(self._films),
             records={"gcodesim.joints": self._limits.record, **records},
             attachments=attachments,
         )
@@ -240,20 +257,24 @@ class Recorder:
         self._write(record, np.zeros(1, dtype=np.int64), np.zeros(1, dtype=np.int64))
         self._begin_blocks(0)
 
-    def look(self, window: StepWindow) -> Sequence[Glimpse]:
-        """What `window` has changed of each stock, when it is time to look; drawn later, when it is written."""
-        if window.end * self._step_ns // self._tile_ns == window.first * self._step_ns // self._tile_ns:
-            return []
-        return [tiles.changed() for tiles in self._tiles]
+    def look(self, window: StepWindow) -> Seen:
+        """What `window` has changed of each stock and film, when it is time to look; drawn when it is written."""
+        begin_ns, end_ns = window.first * self._step_ns, window.end * self._step_ns
 
-    def take(self, record: StepRecord, found: Sequence[Diagnostic], seen: Sequence[Glimpse]) -> Callable[[], None]:
+        def is_due(period_ns: int) -> bool:
+            return end_ns // period_ns != begin_ns // period_ns
+
+        tiles = [tiles.changed() for tiles in self._tiles] if is_due(self._tile_ns) else []
+        return tiles, self._films.look() if len(self._films) and is_due(self._film_ns) else []
+
+    def take(self, record: StepRecord, found: Sequence[Diagnostic], seen: Seen | tuple[()]) -> Callable[[], None]:
         """Take the next window, the findings that came up in it, and the tiles that were seen to change.
 
         Returns the work of writing it down, which can be done while the next window runs.
         """
         return lambda: self._write_down(record, found, seen)
 
-    def _write_down(self, record: StepRecord, found: Sequence[Diagnostic], seen: Sequence[Glimpse]) -> None:
+    def _write_down(self, record: StepRecord, found: Sequence[Diagnostic], seen: Seen | tuple[()]) -> None:
         window = record.window
         ends = window.ticks[1:] * self._step_ns
         logged = np.flatnonzero(ends % self._period_ns == 0)
@@ -264,8 +285,10 @@ class Recorder:
         self._moves_of_fingers(record, ends, logged)
         self._write(record, ends[logged], logged)
         self._now_ns = int(ends[-1])
-        for index, glimpse in enumerate(seen):
+        tiles, films = seen or ((), ())
+        for index, glimpse in enumerate(tiles):
             self._draw(self._now_ns, index, glimpse.draw())
+        self._draw_films(films)
 
     def _begin_blocks(self, t_ns: int) -> None:
         """Write the blocks that begin up to then."""
@@ -306,6 +329,11 @@ class Recorder:
         frame = stock_frame(index, list(self._shop.stocks)[index])
         for tile in tiles:
             self._writer.stock_tile(t_ns, first + tile.number, tile_meshes(tile), frame)
+
+    def _draw_films(self, films: Sequence[FilmGlimpse]) -> None:
+        for film in films:
+            name, frame, X = self._films.frame(film.number, self._frames)
+            self._writer.film(self._now_ns, film.number, f"film/{name}", self._films.draw(film, X), frame)
 
     def _changes_of_tool(self, from_ns: int, to_ns: int, window: StepWindow) -> None:
         """Write the tool in the spindle when it has changed."""
@@ -461,6 +489,7 @@ class Recorder:
         self._write_instants()
         for index, tiles in enumerate(self._tiles):
             self._draw(self._now_ns, index, tiles.changed().draw())
+        self._draw_films(self._films.look(last=True))
         self._reporter.rest(self._now_ns, self._job.shown(self._job.findings) if self.others else results.findings)
         if execution.interrupted:
             stopped = results.stopped_at
@@ -537,9 +566,9 @@ class FurtherRecorder(Recorder):
         """Begin to write, into the log that `first` writes."""
         self._begin_with(FurtherLog(first, self.channel, self.description))
 
-    def look(self, window: StepWindow) -> Sequence[Glimpse]:
+    def look(self, window: StepWindow) -> Seen:
         """Nothing: the first channel looks at the stocks."""
-        return ()
+        return (), ()
 
     def end(self, state: str) -> None:
         """Write the rest; the log is closed by the first recorder."""

@@ -92,6 +92,10 @@ class CarriedParts:
     def _now(self, name: str, step: int) -> PartChange | None:
         return next((each for each in reversed(self._changes[name]) if each.hold.step <= step), None)
 
+    def changes_in(self, name: str, step: int) -> bool:
+        """Whether something becomes of a frame in a step; False for what is no part."""
+        return any(each.hold.step == step for each in self._changes.get(name, ()))
+
     def riders(self, name: str, step: int) -> list[str]:
         """All parts that stand on this one, or on one that does."""
         found = [other for other in self.bodies if other != name and self.parent(other, step) == name]

@@ -11,3 +11,4 @@ RAW: Final[Color] = (0.62, 0.64, 0.67, 1.0)
 """The surface of stock as it was at the start."""
 CUT: Final[Color] = (0.86, 0.74, 0.42, 1.0)
 PART: Final[Color] = (0.36, 0.5, 0.68, 1.0)
+DEVICE: Final[Color] = (0.5, 0.52, 0.4, 1.0)

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from gcodesim.arithmetic.matrices import norm
 from gcodesim.frames import Array
 from gcodesim.frozen import frozen
-from gcodesim.observation.eyes import load_at, place_of
+from gcodesim.observation.eyes import load_at, place_of, seen_in
 from gcodesim.observation.schedule import Station
 from gcodesim.observation.stage import Stage, surface_of
 from gcodesim.sensors.noise import Noise
@@ -42,7 +42,7 @@ class Present:
 
     def scenery(self, stage: Stage) -> Scenery:
         surfaces = {name: surface_of(placed) for name, placed in self.shop.stocks.items()}
-        return stage.scenery(self.q, self.tool, surfaces)
+        return seen_in(stage, self.q, self.tool, surfaces, self.record, len(self.record) - 1)
 
     def reading(self, station: Station, seed: int, number: int) -> Mapping[str, Output]:
         """What a sensor reads now, as reading `number`."""

@@ -6,7 +6,7 @@ Nothing but the part moves meanwhile; what it may hit stands as it does in the s
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, Final, Protocol
+from typing import Any, Final, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,40 +26,32 @@ _LEVEL: Final = 5e-3  # m by which a body may hang above its support after a fal
 Skin = tuple[Array, NDArray[np.int32]]
 
 
+class Drop(NamedTuple):
+    """A part that begins to fall: its skin `body` in P, at `X_W` (4, 4) with `velocity` (3,) [m/s]."""
+
+    body: Skin
+    mass: MassOfSkin
+    X_W: Array
+    velocity: Array
+
+
+class Below(NamedTuple):
+    """What a part may land on: skins of `others` in W, a level floor at height `floor`; `height` is the way down."""
+
+    others: Mapping[str, Skin]
+    floor: float
+    height: float
+
+
 class FallOf(Protocol):
-    """X_WP (n, 4, 4) of a part at the ends of the steps of its fall; the last is where it lies.
+    """X_WP (n, 4, 4) of a part at the ends of the steps of its fall, `dt` [s] each; the last is where it lies."""
 
-    `body` is its skin in P, `X_W` (4, 4) and `velocity` (3,) [m/s] those with which it begins, `others` what it may
-    land on in W, `floor` the height of the level floor, `height` the way straight down.
-    """
-
-    def __call__(
-        self,
-        body: Skin,
-        mass: MassOfSkin,
-        X_W: Array,
-        velocity: Array,
-        others: Mapping[str, Skin],
-        floor: float,
-        height: float,
-        gravity: Array,
-        dt: float,
-    ) -> Array: ...
+    def __call__(self, drop: Drop, below: Below, gravity: Array, dt: float) -> Array: ...
 
 
-def straight_down(
-    body: Skin,
-    mass: MassOfSkin,
-    X_W: Array,
-    velocity: Array,
-    others: Mapping[str, Skin],
-    floor: float,
-    height: float,
-    gravity: Array,
-    dt: float,
-) -> Array:
+def straight_down(drop: Drop, below: Below, gravity: Array, dt: float) -> Array:
     """By the rule of the kinematic world: it keeps its attitude, falls freely by `height`, and lies where it lands."""
-    pull = norm(gravity)
+    pull, height, X_W = norm(gravity), below.height, drop.X_W
     steps = max(int(np.ceil(np.sqrt(2.0 * height / pull) / dt)), 1)
     t = dt * np.arange(1, steps + 1)
     X = np.tile(X_W, (steps, 1, 1))
@@ -68,47 +60,29 @@ def straight_down(
     return X
 
 
-def free_fall(
-    body: Skin,
-    mass: MassOfSkin,
-    X_W: Array,
-    velocity: Array,
-    others: Mapping[str, Skin],
-    floor: float,
-    height: float,
-    gravity: Array,
-    dt: float,
-) -> Array:
+def free_fall(drop: Drop, below: Below, gravity: Array, dt: float) -> Array:
     """As a free body in a world of its own, with the convex hull of its skin, until it lies still."""
     from gcodesim.world.bullet import import_pybullet
 
     p = import_pybullet()
     client = p.connect(p.DIRECT)
     try:
-        rows = _fallen(p, client, body, mass, X_W, velocity, others, floor, gravity, dt)
+        rows = _fallen(p, client, drop, below, gravity, dt)
     finally:
         p.disconnect(client)
     X = np.tile(np.eye(4), (len(rows), 1, 1))
     X[:, :3, :3] = rotation_from_quaternion(np.array([q for _, q in rows]))
-    X[:, :3, 3] = np.array([c for c, _ in rows]) - applied(X[:, :3, :3], mass.center)
-    points = applied(X[-1, :3, :3], body[0]) + X[-1, :3, 3]
-    left, _ = gap_below((points, body[1]), others, floor)
+    X[:, :3, 3] = np.array([c for c, _ in rows]) - applied(X[:, :3, :3], drop.mass.center)
+    points, faces = drop.body
+    points = applied(X[-1, :3, :3], points) + X[-1, :3, 3]
+    left, _ = gap_below((points, faces), below.others, below.floor)
     if left <= _LEVEL:
         X[-1, 2, 3] -= left
     return X
 
 
 def _fallen(
-    p: Any,
-    client: int,
-    body: Skin,
-    mass: MassOfSkin,
-    X_W: Array,
-    velocity: Array,
-    others: Mapping[str, Skin],
-    floor: float,
-    gravity: Array,
-    dt: float,
+    p: Any, client: int, drop: Drop, below: Below, gravity: Array, dt: float
 ) -> list[tuple[tuple[float, ...], tuple[float, ...]]]:
     """Centre of mass and quaternion at the ends of the steps."""
     p.setPhysicsEngineParameter(
@@ -116,8 +90,8 @@ def _fallen(
     )
     p.setGravity(*gravity.tolist(), physicsClientId=client)
     plane = p.createCollisionShape(p.GEOM_PLANE, planeNormal=[0, 0, 1], physicsClientId=client)
-    standing = [p.createMultiBody(0.0, plane, basePosition=[0.0, 0.0, floor], physicsClientId=client)]
-    for points, faces in others.values():
+    standing = [p.createMultiBody(0.0, plane, basePosition=[0.0, 0.0, below.floor], physicsClientId=client)]
+    for points, faces in below.others.values():
         shape = p.createCollisionShape(
             p.GEOM_MESH,
             vertices=points.tolist(),
@@ -126,7 +100,8 @@ def _fallen(
             physicsClientId=client,
         )
         standing.append(p.createMultiBody(0.0, shape, physicsClientId=client))
-    local = body[0] - mass.center
+    (points, _), mass, X_W = drop.body, drop.mass, drop.X_W
+    local = points - mass.center
     hull = p.createCollisionShape(p.GEOM_MESH, vertices=local.tolist(), physicsClientId=client)
     center = applied(X_W[:3, :3], mass.center) + X_W[:3, 3]
     part = p.createMultiBody(
@@ -138,7 +113,7 @@ def _fallen(
     )
     for number in (part, *standing):
         p.changeDynamics(number, -1, lateralFriction=ROUGHNESS, collisionMargin=MARGIN, physicsClientId=client)
-    p.resetBaseVelocity(part, velocity.tolist(), [0.0, 0.0, 0.0], physicsClientId=client)
+    p.resetBaseVelocity(part, drop.velocity.tolist(), [0.0, 0.0, 0.0], physicsClientId=client)
     rows: list[tuple[tuple[float, ...], tuple[float, ...]]] = []
     calm = 0
     for _ in range(int(LONGEST / dt)):

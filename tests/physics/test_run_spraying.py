@@ -11,7 +11,9 @@ import numpy as np
 import pytest
 
 from gcodesim.cell import load_cell
+from gcodesim.cell.loader import read_cell
 from gcodesim.diagnostics import SourceText
+from gcodesim.playback.scenes import Drawing
 from gcodesim.processes.spray_pattern import gaussian_stripe, passes
 from gcodesim.simulation import Options, prepare, run
 from gcodesim.solids import read_mesh
@@ -289,3 +291,67 @@ def test_a_panel_that_another_arm_moves_gets_the_film_of_passes() -> None:
     assert not film.coat.dry[film.coat.normal[:, 2] < -0.9].any()  # the side at the flange
     painted = results.coating["film_mm3"] + results.coating["bounced_mm3"] + results.coating["overspray_mm3"]
     assert painted == pytest.approx(results.coating["solids_mm3"], rel=1e-6)
+
+
+def by_two_arms(panel: str, world: str) -> tuple[np.ndarray, float]:
+    """The film of the example of two arms, whose holder has a suction gripper; how far [m] the panel was carried."""
+    text = (ROOT / "cells" / "spray_two_arms.yaml").read_text()
+    gripper = "tools:\n  9: {type: suction_gripper, cups: [{diameter: 60}], friction: 0.6, length: 80}\n"
+    text = text.replace("tools:\n", gripper).replace("    in: holder/flange", panel)
+    text = text.replace("    robot: holder\n", "    robot: holder\n    loaded_tool: 9\n")
+    marks = "m_codes: {M200: {wait: panel_there}, M201: {wait: stripe_done}"
+    text = text.replace(marks + "}\ntools", marks + ", M62 P1: {gripper: close}}\ntools")
+    programs = {name: (ROOT / "programs" / name).read_text() for name in ("spray_two_arms.nc", HOLDER)}
+    held = programs[HOLDER].replace("G0 X30 Y#1 Z0\n", "G43 H9\nG0 X30 Y#1 Z0\nM62 P1\nG4 P0.1\n")
+    sources = [SourceText("a.nc", programs["spray_two_arms.nc"].encode()), SourceText("b.nc", held.encode())]
+    loaded = read_cell(SourceText("cell.yaml", text.encode()), Path("cell.yaml"))
+    job = prepare(sources[0], loaded, Options(world=world, channels={"holder": sources[1]}))
+    results, execution = run(job)
+    assert execution is not None and job.shop is not None
+    assert not [f for f in results.findings if f.code.startswith("GS56") and f.code != "GS566"]
+    film = job.shop.coated["part/panel"].film
+    assert film is not None
+    return film.coat.dry, execution.parts["part/panel"].moved
+
+
+@pytest.mark.parametrize("world", ["kinematic", "bullet"])
+def test_film_follows_a_panel_that_a_gripper_holds(world: str) -> None:
+    """A panel fixed to the flange, and one that is taken from where the first one is by then: the same film."""
+    fixed, _ = by_two_arms("    in: holder/flange\n    xyz: [0, 0, 80]", "kinematic")
+    taken, moved = by_two_arms("    in: middle\n    xyz: [30, -100, 0]\n    rpy: [-90, 0, 90]", world)
+
+    assert moved == pytest.approx(0.24, abs=1e-3)
+    assert taken.max() > 20e-6
+    np.testing.assert_allclose(taken, fixed, rtol=1e-6, atol=1e-12)
+
+
+def test_the_film_is_in_the_log_and_in_the_model(tmp_path: Path) -> None:
+    """Entities in the frame of the body, coloured in classes of thickness, growing; the part's STL is without them."""
+    from gcodesim.export.model import scene_glb
+    from gcodesim.export.part import write_part
+    from gcodesim.playback import Recording
+
+    program = ALONG.replace("{y}", "100").replace("{on}", "M10").replace("{off}", "M11").replace("F24000", "F2000")
+    ran = sprayed(program=program, out=tmp_path)
+    recording = Recording.open(tmp_path)
+    film = ran.shop.coated["stock/stock"].film
+    assert film is not None
+
+    def drawn(t_ns: int) -> list[Drawing]:
+        return [drawing for drawing in recording.stock_at(t_ns) if drawing.id == "film/stock/stock"]
+
+    (end,) = drawn(recording.end_ns)
+    counts = np.histogram(film.coat.dry[film.coat.dry >= 1e-6] / film.coat.dry.max(), np.arange(9) / 8)[0]
+    assert end.frame == "stock" and len({shape.color for shape in end.shapes}) == len(end.shapes)
+    assert [len(shape.triangles) for shape in end.shapes] == [count for count in counts.tolist() if count]
+    (middle,) = drawn(recording.end_ns // 2)
+    faces = [sum(len(shape.triangles) for shape in each.shapes) for each in (middle, end)]
+    assert 0 < faces[0] < faces[1]
+    assert b"film/stock/stock" in scene_glb(recording, recording.end_ns)
+
+    files = [tmp_path / "exact.stl", tmp_path / "drawn.stl"]
+    with files[0].open("wb") as exact, files[1].open("wb") as coarse:
+        write_part(recording, exact)
+        write_part(recording, coarse, t_ns=recording.end_ns)
+    tops = [read_mesh(file)[0][:, 2].max() for file in files]
+    assert tops[0] == pytest.approx(tops[1], abs=1e-4)  # mm; the film is drawn 0.2 mm above

@@ -235,3 +235,38 @@ def test_the_time_of_a_meeting_is_that_of_fine_sampling(tmp_path: Path) -> None:
 
     assert first.time is not None and first.time > 0.01
     assert gap(first.time - 1e-3) > 0.0 >= gap(first.time + 1e-3)
+
+
+def test_a_device_that_turns_back_on_its_way_is_where_it_is() -> None:
+    """Up for 0.3 s, then down again: its top comes to 70 mm, and the body of the gripper is at 100."""
+    program = START + "G0 X100 Y0 Z60\nM64 P3\nG4 P0.3\nM65 P3\nG4 P2\n"
+
+    assert not collisions(go(program + "G0 Z250\n", CELL + DOOR))
+    (hit,) = collisions(go(program.replace("P0.3", "P0.7") + "G0 Z250\n", CELL + DOOR))
+    assert (hit.code, hit.span.line) == ("GS310", 4)
+    assert hit.value == pytest.approx(10.0, abs=0.01)
+
+
+@pytest.mark.parametrize("pair", ["[plate, wall]", "[wall, plate]"])
+def test_pairs_that_may_touch_are_left_out(pair: str) -> None:
+    program = TAKE + "G1 Z70 F6000\nG1 X70\nG1 X130\nG0 Z150\n"
+
+    assert not collisions(go(program, with_fixture(WALL) + f"limits: {{may_touch: [{pair}]}}\n"))
+
+
+def test_a_tool_may_touch_a_fixture_if_the_cell_says_so() -> None:
+    into = START + "G0 X135 Y0 Z90\nG1 Z40 F6000\nG0 Z150\n"  # a finger over the wall
+    cell = with_fixture(WALL)
+
+    (hit,) = go(into, cell).bad
+    assert (hit.code, hit.span.line, hit.bodies) == ("GS304", 4, ("T1", "wall"))
+    assert hit.value == pytest.approx(5.5, abs=0.01)  # the finger is from 95 to 105 mm, the wall from 99.5 to 100.5
+    assert not go(into, cell + "limits: {may_touch: [[T1, wall]]}\n").bad
+
+
+def test_a_name_that_is_no_body_is_told_at_its_place() -> None:
+    text = CELL + "limits: {may_touch: [[plate, walls]]}\n"
+    (finding,) = read_cell(SourceText("cell.yaml", text.encode()), Path("cell.yaml")).findings
+
+    assert finding.code == "GS712" and "walls" in finding.message
+    assert text.splitlines()[finding.span.line - 1][finding.span.column - 1 :].startswith("walls")
