@@ -26,6 +26,7 @@ from gcodesim.cell.settings import (
     Magazine,
     SeverityKind,
     Simulation,
+    SpindleTimes,
     Suppression,
     Units,
     matches,
@@ -136,6 +137,9 @@ class Cell:
     )
     sensors: Mapping[str, MountedSensor] = key(
         SENSOR_MAP, "what sees and feels, at rest or on a link", default={}, quiet=True
+    )
+    spindle: SpindleTimes = key(
+        Record(SpindleTimes, "the spindle"), "how long the spindle takes", default=SpindleTimes(), quiet=True
     )
     limits: Limits = key(Record(Limits, "`limits`"), "limits of spindle and process", default=Limits(), quiet=True)
     checks: Mapping[str, Severity] = key(_CHECKS, "severities that differ in this cell", default={}, quiet=True)

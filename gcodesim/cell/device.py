@@ -36,6 +36,9 @@ class Device(Fixture):
         example="[0, 0, 300 mm]",
     )
     travel_time: float = key(Quantity("time", NOT_NEGATIVE), "that it takes there, and back", default=0.0, quiet=True)
+    awaited: bool = key(
+        "switch", "the program waits `travel_time` each time it switches it, as for a clamp", default=False, quiet=True
+    )
     speed: float = key(
         Quantity("speed", Range(least=0.0, most=100.0)),
         "of a conveyor along X of its frame while it is on; what lies on it goes along, up to its end",

@@ -23,7 +23,7 @@ from gcodesim.cell.part import PartSpec
 from gcodesim.cell.placing import Place
 from gcodesim.cell.robot import RobotForm
 from gcodesim.cell.sensors import Mount
-from gcodesim.cell.settings import Limits, LogSettings, Magazine, Simulation, Suppression
+from gcodesim.cell.settings import Limits, LogSettings, Magazine, Simulation, SpindleTimes, Suppression
 from gcodesim.cell.signals import SignalSource
 from gcodesim.cell.stock import Layer, ShapeKeys, StockSpec, Target
 from gcodesim.controllers.flexible import Flexible
@@ -65,6 +65,7 @@ SECTIONS: Final[tuple[tuple[str, type], ...]] = (
     ("`target`, besides its place", Target),
     ("`sensors`, besides their place and the keys of their type", Mount),
     ("`magazine`, besides its place", Magazine),
+    ("`spindle`", SpindleTimes),
     ("`limits`", Limits),
     ("`suppress`", Suppression),
     ("`simulation`", Simulation),

@@ -53,6 +53,7 @@ def resolve(cell: Cell, to: Reading) -> Cell:
     _check_materials(to)
     _check_stock_on_arm(cell, to)
     _check_systems(cell, to)
+    _check_spindle(cell, to)
     _check_mesh_sizes(cell, to)
     _check_loaded_tools(cell, to)
     _check_sensors(cell, to)
@@ -388,6 +389,15 @@ def _check_devices(cell: Cell, to: Reading) -> None:
         if reference.what == "device" and reference.name not in known:
             hint = suggestion(reference.name, known) if known else "there are none: `devices: {…}` of the cell"
             to.fault("GS712", to.span(reference.path), f"there is no device `{reference.name}`", hint)
+
+
+def _check_spindle(cell: Cell, to: Reading) -> None:
+    """Times of the spindle are for some speed."""
+    given = [name for name in ("run_up", "run_down") if getattr(cell.spindle, name) > 0.0]
+    if given and cell.spindle.full_speed(cell.limits) is None:
+        message = f"`{given[0]}` is a time, and nothing says to which speed"
+        hint = "give `speed`, or `limits: {spindle_speed: …}`"
+        to.fault("GS705", to.key(("spindle", given[0])), message, hint)
 
 
 def _check_codes(cell: Cell, to: Reading) -> None:

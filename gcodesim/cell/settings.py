@@ -94,6 +94,27 @@ class Limits:
         return frozenset(frozenset(pair) for pair in self.may_touch)
 
 
+@frozen
+class SpindleTimes:
+    """How quickly the spindle follows S, M3, M4 and M5; the program goes on when it turns as it should."""
+
+    run_up: float = key(
+        Quantity("time", NOT_NEGATIVE), "from rest to `speed`, less to a lower one; the machine stands", default=0.0
+    )
+    run_down: float = key(Quantity("time", NOT_NEGATIVE), "from `speed` to rest", default=0.0)
+    speed: float | None = key(
+        Quantity("rotational speed", POSITIVE),
+        "which these times are for",
+        default=None,
+        rule="`spindle_speed` of `limits`",
+        quiet=True,
+    )
+
+    def full_speed(self, limits: Limits) -> float | None:
+        """What the times are for [rad/s]."""
+        return limits.spindle_speed if self.speed is None else self.speed
+
+
 _PATTERN: Final = "([Gg][Ss]|[A-Za-z][A-Za-z0-9]{2,15}-)([0-9](?:[0-9]{2}|[0-9][xX]|[xX]{2}))"
 
 

@@ -71,15 +71,7 @@ def _results() -> Json:
             files=array("subprograms, meshes, tables", hashed),
         ),
         findings=array("all findings by place", ref("finding", "a finding")),
-        time=record(
-            "where the time goes; total = feed + rapid + dwell + tool_change",
-            total_s=number("all of it"),
-            feed_s=number("moves at feed"),
-            engaged_s=number("the part of feed in which material is removed or added"),
-            rapid_s=number("rapid moves"),
-            dwell_s=number("dwells, waiting"),
-            tool_change_s=number("tool changes"),
-        ),
+        time=_times(),
         distance=record("ways of the tool", feed_mm=number("at feed"), rapid_mm=number("in rapid")),
         stocks=table(
             "each stock by its name; empty for `check`",
@@ -133,6 +125,7 @@ def _results() -> Json:
                 name=text("name in the cell"),
                 time_s=number("in the spindle"),
                 feed_mm=number("way at feed"),
+                **_paces(),
                 removed_mm3=number("volume removed"),
                 max_force_N=number("greatest force, a mean over each revolution"),
                 max_torque_Nm=number("greatest torque, a mean over each revolution"),
@@ -145,6 +138,20 @@ def _results() -> Json:
                     "greatest within a revolution; of another one such as `max_film_thickness_mm`"
                 )
             },
+        ),
+        operations=array(
+            "from one tool change, or one comment that stands alone, to the next; those that feed",
+            record(
+                "an operation",
+                name=text("its comment, or its tool"),
+                tool=whole("T number", least=0),
+                first_line=whole("of its moves"),
+                last_line=whole("of its moves"),
+                time_s=number("all of it: moves, dwells, tool change"),
+                feed_mm=number("way at feed"),
+                rapid_mm=number("way in rapid"),
+                **_paces(),
+            ),
         ),
         joints=array(
             "each joint or axis",
@@ -210,6 +217,33 @@ def _results() -> Json:
     at_times = ("probings", "sensors", "printing", "coating", "target", "path_accuracy", "parts")
     results["required"] = [name for name in results["required"] if name not in at_times]
     return results
+
+
+def _paces() -> dict[str, Json]:
+    """How fast feed moves ran."""
+    return {
+        "mean_feed_mm_min": number("mean speed of feed moves"),
+        "least_feed_mm_min": number("least speed of feed moves"),
+        "share_at_feed": number("share of the time of feed moves at the programmed feed, to 1 %"),
+    }
+
+
+def _times(**more: Json) -> Json:
+    """Where the time goes."""
+    found = record(
+        "where the time goes; total = feed + rapid + dwell + tool_change + spindle + devices",
+        total_s=number("all of it"),
+        feed_s=number("moves at feed"),
+        engaged_s=number("the part of feed in which material is removed or added"),
+        rapid_s=number("rapid moves"),
+        dwell_s=number("dwells, waiting"),
+        tool_change_s=number("tool changes"),
+        **more,
+        spindle_s=number("until the spindle turned as commanded; only where that took time"),
+        devices_s=number("until devices had arrived; only where that took time"),
+    )
+    found["required"] = [name for name in found["required"] if name not in ("spindle_s", "devices_s")]
+    return found
 
 
 def _coating() -> Json:
@@ -398,16 +432,7 @@ def _several_programs(hashed: Json) -> dict[str, Json]:
         mover=text("the robot that it moves, or `machine`"),
         status=choice("of this program alone", "ok", "findings", "failed"),
         end_s=nullable(number("when it ends; null: it waits for ever")),
-        time=record(
-            "where its time goes; total = feed + rapid + dwell + tool_change",
-            total_s=number("all of it"),
-            feed_s=number("moves at feed"),
-            engaged_s=number("the part of feed in which material is removed or added"),
-            rapid_s=number("rapid moves"),
-            dwell_s=number("dwells, waiting"),
-            tool_change_s=number("tool changes"),
-            wait_s=number("the part of dwell in which it waits for other programs"),
-        ),
+        time=_times(wait_s=number("the part of dwell in which it waits for other programs")),
         distance=record("ways of its tool", feed_mm=number("at feed"), rapid_mm=number("in rapid")),
         waits=array("the marks that it came to, in order", wait),
         blocks=array("all blocks in the order of execution; only of a check", block),

@@ -19,6 +19,7 @@ from gcodesim.arithmetic.matrices import norm
 from gcodesim.canon import Axes
 from gcodesim.canon.batch import MoveBatch
 from gcodesim.cell.inputs import InputSource
+from gcodesim.cell.standing import standing_of
 from gcodesim.checks.empty_spindle import empty_spindle_findings
 from gcodesim.checks.ends import left_on
 from gcodesim.checks.idle import blind_axis_findings
@@ -29,7 +30,6 @@ from gcodesim.jobs.meetings import is_wait, lone_marks
 from gcodesim.jobs.results import ProbeResult
 from gcodesim.motion.build import PathBuilder
 from gcodesim.motion.joining import standing_until, with_instant
-from gcodesim.motion.timing import event_durations
 from gcodesim.motion.tool_path import PathEvent, ToolPath
 from gcodesim.motion.trajectory import TimedEvent
 from gcodesim.planning import Plan, plan_path, posing_of
@@ -73,7 +73,7 @@ class Legs:
         self._step_ns = job.cell.simulation.step_ns
         self._steps = 0  # of all legs so far
         self._stocked: bool | None = None
-        self._duration_of = event_durations(job.cell.magazine.change_time)
+        self._duration_of = standing_of(job.cell, job.shop.channel)
         self._outputs: dict[str, float] = {}  # digital P0 …, analog E0 …
         self._unheard: dict[str, tuple[int, Span]] = {}
         self._touched: tuple[str, float] | None = None  # what the last leg touched, and how far it went in after that
@@ -207,7 +207,7 @@ class Legs:
                 self._job.findings.extend(lone_marks(self._job.channel, self._job.events))
             whole = path if before is None else before.path.then(path)
             self._job.findings.extend(empty_spindle_findings(whole, self.shop.cell))
-            lasting = any(self._duration_of(noted.event) > 0.0 for noted in path.events)
+            lasting = any(self._duration_of(noted) > 0.0 for noted in path.events)
             if before is not None and not len(path) and not lasting:
                 return None
         plan = self._planned(path)
@@ -357,7 +357,7 @@ class Legs:
     def _hear(self, question: canon.Input) -> None:
         """What an input reads, as the cell has it; the machine has come to rest, and stands while it waits."""
         pending = self._builder.events
-        begin = self._steps * self._step_ns * 1e-9 + sum(self._duration_of(noted.event) for noted in pending)
+        begin = self._steps * self._step_ns * 1e-9 + sum(self._duration_of(noted) for noted in pending)
         outputs = dict(self._outputs)
         _set_outputs(outputs, (noted.event for noted in pending), moved=False)
         pin = f"{'P' if question.type == 'digital' else 'E'}{question.index}"

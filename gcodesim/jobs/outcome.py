@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Final, cast
 
 import numpy as np
 
+from gcodesim.cell.standing import standing_of
 from gcodesim.cell.verdict import idle_suppressions
 from gcodesim.diagnostics import Diagnostic, Severity, SourceText, Span
 from gcodesim.frames import Array
@@ -16,6 +17,7 @@ from gcodesim.jobs.coating import coating_of
 from gcodesim.jobs.grips import part_results
 from gcodesim.jobs.job import Job
 from gcodesim.jobs.joint_results import joint_results
+from gcodesim.jobs.operations import RowTimes, operation_rows, pace_figures
 from gcodesim.jobs.paces import row_paces
 from gcodesim.jobs.printing import printing_of
 from gcodesim.jobs.results import (
@@ -37,10 +39,12 @@ from gcodesim.units import MM
 from gcodesim.version import __version__
 
 if TYPE_CHECKING:
+    from gcodesim.canon import Event
     from gcodesim.executor import Execution
     from gcodesim.executor.accuracy import PathAccuracy
     from gcodesim.material.revolved import Revolved
     from gcodesim.material.stock import Stock
+    from gcodesim.motion.standing import Standstill
     from gcodesim.motion.trajectory import TimedEvent
     from gcodesim.planning import Plan
 
@@ -138,20 +142,25 @@ def _results_of(job: Job, execution: Execution | None, *, failed: bool) -> Resul
     names = {number: tool.name for number, tool in shop.cell.tools.items()}
     stands = [(rest.row, rest.event.span, rest.duration) for rest in rests]
     own = shop.sheet.own(RESULTS)
+    paces = row_paces(plan.trajectory)
+    known = RowTimes(time=row_time, distance=length, paces=paces, stands=stands)
     return Results(
         status="failed" if failed else "findings" if bad else "ok",
         stopped_at=stopped,
         inputs=inputs_of(job),
         findings=findings,
-        times=_times(rests, rapid, row_time, execution),
+        times=_times(rests, rapid, row_time, execution, standing_of(shop.cell, shop.channel)),
         feed_distance=float(length[~rapid].sum()),
         rapid_distance=float(length[rapid].sum()),
         stocks={} if execution is None else _stock_results(shop, execution, job.fallen),
-        tools=tool_rows(path, names, row_time, length, totals, own),
+        tools=tool_rows(
+            path, names, row_time, length, totals, own, lambda rows: pace_figures(rows, path, known)
+        ),
+        operations=operation_rows(path, job.program.name, job.program.lines, names, known),
         joints=_joints(plan, shop, execution),
         not_simulated=_not_simulated(job),
         probings=[probing for probing in job.probings if probing.time * 1e9 <= _end_ns(job, plan, execution)],
-        lines=line_rows(path, row_time, length, totals, stands, ran, shop.sheet.own(LINES), row_paces(plan.trajectory)),
+        lines=line_rows(path, row_time, length, totals, stands, ran, shop.sheet.own(LINES), paces),
         printing=printing_of(plan, shop.cell.tools, row_time),
         path_accuracy=None if execution is None else _accuracy_of(plan, execution.accuracy),
         parts={} if execution is None else part_results(execution.parts, lambda frame: frame.rpartition("/")[2]),
@@ -232,17 +241,35 @@ def _rests(plan: Plan, end_ns: int) -> list[TimedEvent]:
     return [replace(event, duration=min(event.duration, left * 1e-9)) for event, left in begun if left >= 0]
 
 
-def _times(rests: Sequence[TimedEvent], rapid: Any, row_time: Array, execution: Execution | None) -> Times:
+def _times(
+    rests: Sequence[TimedEvent], rapid: Any, row_time: Array, execution: Execution | None, standing: Standstill
+) -> Times:
     """Where the time goes, from the time law."""
-    from gcodesim.canon import ToolChange
+    from gcodesim.canon import Spindle, ToolChange
 
-    change = sum(e.duration for e in rests if isinstance(e.event, ToolChange))
-    dwell = sum(e.duration for e in rests if not isinstance(e.event, ToolChange))
+    def stood(of: Callable[[Event], bool]) -> float:
+        return float(sum(e.duration for e in rests if of(e.event)))
+
+    change = stood(lambda event: isinstance(event, ToolChange))
+    spindle = stood(lambda event: isinstance(event, Spindle))
+    awaited = standing.switching
+    devices = 0.0 if awaited is None else stood(lambda event: awaited(event) > 0.0)
+    dwell = stood(
+        lambda event: not isinstance(event, (ToolChange, Spindle)) and (awaited is None or awaited(event) == 0.0)
+    )
     feed = float(row_time[~rapid].sum())
     engaged = 0.0
     if execution is not None and len(row_time):
         engaged = float(np.minimum(execution.rows["engaged"], row_time)[~rapid].sum())
-    return Times(feed=feed, engaged=engaged, rapid=float(row_time[rapid].sum()), dwell=dwell, tool_change=change)
+    return Times(
+        feed=feed,
+        engaged=engaged,
+        rapid=float(row_time[rapid].sum()),
+        dwell=dwell,
+        tool_change=change,
+        spindle=spindle,
+        devices=devices,
+    )
 
 
 def _stock_results(

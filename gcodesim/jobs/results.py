@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import field
 from typing import Any, Final, Literal
 
@@ -160,17 +160,22 @@ class ProbeResult:
 
 @frozen
 class Times:
-    """Where the time goes [s]; total = feed + rapid + dwell + tool_change, engaged is a part of feed."""
+    """Where the time goes [s]; total = feed + rapid + dwell + tool_change + spindle + devices, engaged is within feed.
+
+    `spindle` is what the cell's spindle takes to its speeds, `devices` the waiting for clamps and doors.
+    """
 
     feed: float = 0.0
     engaged: float = 0.0
     rapid: float = 0.0
     dwell: float = 0.0
     tool_change: float = 0.0
+    spindle: float = 0.0
+    devices: float = 0.0
 
     @property
     def total(self) -> float:
-        return self.feed + self.rapid + self.dwell + self.tool_change
+        return self.feed + self.rapid + self.dwell + self.tool_change + self.spindle + self.devices
 
     def as_json(self) -> dict[str, Any]:
         return {
@@ -180,6 +185,8 @@ class Times:
             "rapid_s": rounded(self.rapid),
             "dwell_s": rounded(self.dwell),
             "tool_change_s": rounded(self.tool_change),
+            **({"spindle_s": rounded(self.spindle)} if self.spindle else {}),
+            **({"devices_s": rounded(self.devices)} if self.devices else {}),
         }
 
 
@@ -196,6 +203,8 @@ class Results:
     rapid_distance: float
     stocks: Mapping[str, StockResult] = field(default_factory=dict)
     tools: Sequence[Mapping[str, Any]] = ()
+    operations: Sequence[Mapping[str, Any]] = ()
+    """Where the time goes from one tool change, or comment that stands alone, to the next (`jobs/operations.py`)."""
     joints: Sequence[Mapping[str, Any]] = ()
     not_simulated: Sequence[Mapping[str, Any]] = ()
     probings: Sequence[ProbeResult] = ()
@@ -233,6 +242,7 @@ class Results:
             },
             "stocks": {name: stock.as_json() for name, stock in self.stocks.items()},
             "tools": list(self.tools),
+            "operations": list(self.operations),
             "joints": list(self.joints),
             "not_simulated": list(self.not_simulated),
         }
@@ -411,10 +421,11 @@ def tool_rows(
     distance: Array,
     totals: RowTotals | None,
     columns: Sequence[Column] = (),
+    figures: Callable[[NDArray[np.bool_]], Mapping[str, Any]] | None = None,
 ) -> list[dict[str, Any]]:
     """One entry a tool that was in the spindle while something moved; `time` [s] and `distance` [m] of path rows.
 
-    Its last keys are those of `columns`.
+    `figures` has more of rows (n,). Its last keys are those of `columns`.
     """
     if not len(path):
         return []
@@ -430,6 +441,7 @@ def tool_rows(
             "name": names.get(int(number), f"T{number}"),
             "time_s": rounded(float(time[mine].sum())),
             "feed_mm": rounded(float(distance[mine & feeds].sum() / MM)),
+            **({} if figures is None else figures(mine)),
         }
         here = np.flatnonzero(mine)
         for column in _OF_TOOLS:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
-from math import pi
+from math import copysign, pi
 
 import numpy as np
 from numpy.typing import NDArray
@@ -260,10 +260,11 @@ class PathBuilder:
         self._set(cutting)
 
     def _other(self, event: Event) -> None:
-        now = self.current
+        now, turns = self.current, None
         if isinstance(event, PathMode):
             self._path_mode(event)
         elif isinstance(event, Spindle):
+            before = self._turning()
             sign = {"cw": 1.0, "ccw": -1.0, "off": 0.0}[event.direction]
             surface = event.unit == "m/s"
             most = self.fastest or 0.0
@@ -271,6 +272,7 @@ class PathBuilder:
             self.spindle_speed = cap if surface else event.speed
             surface_speed = event.speed if surface and sign else 0.0
             self._set(replace(now, spindle=sign * self.spindle_speed, surface_speed=surface_speed))
+            turns = (before, self._turning())
         elif isinstance(event, Coolant):
             self._set(replace(now, flood=event.flood, mist=event.mist))
         elif isinstance(event, ToolChange | ToolNumber):
@@ -303,7 +305,11 @@ class PathBuilder:
         passed = isinstance(event, _PASSED) or (isinstance(event, Output) and event.with_motion)
         if not passed and not (isinstance(event, Dwell) and event.seconds <= 0.0):
             self._stand()
-        self.events.append(PathEvent(len(self.rows), event))
+        self.events.append(PathEvent(len(self.rows), event, turns))
+
+    def _turning(self) -> float:
+        """What the spindle turns at here [rad/s], signed."""
+        return copysign(2.0 * pi * self._revolutions(), self.current.spindle)
 
     def _path_mode(self, event: PathMode) -> None:
         # P alone also merges; without P nothing is merged unless Q says so

@@ -7,12 +7,12 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from gcodesim.canon import Dwell, Event, Extrude, ToolChange
 from gcodesim.frames import Array
 from gcodesim.frozen import frozen
 from gcodesim.motion.pieces import Pieces
-from gcodesim.motion.printer_law import filament_time
+from gcodesim.motion.standing import Standstill
 from gcodesim.motion.timing_kernels import PhaseColumns, end_speeds, times_at, trapezoids
+from gcodesim.motion.tool_path import PathEvent
 from gcodesim.motion.trajectory import Phases, TimedEvent, Trajectory
 
 
@@ -41,21 +41,8 @@ class Caps:
         )
 
 
-def event_durations(tool_change_time: float) -> Callable[[Event], float]:
-    """How long events last [s]: dwells and filament their own time, tool changes `tool_change_time`, others nothing."""
-
-    def duration(event: Event) -> float:
-        if isinstance(event, Dwell):
-            return max(event.seconds, 0.0)
-        if isinstance(event, Extrude):
-            return filament_time(event)
-        return tool_change_time if isinstance(event, ToolChange) else 0.0
-
-    return duration
-
-
 def time_law(
-    pieces: Pieces, caps: Caps | None = None, duration_of: Callable[[Event], float] | None = None
+    pieces: Pieces, caps: Caps | None = None, duration_of: Callable[[PathEvent], float] | None = None
 ) -> Trajectory:
     """The fastest run of `pieces` under `caps` (default: those of the pieces), from rest to rest.
 
@@ -64,7 +51,7 @@ def time_law(
     dwells only) make the machine stand between rows.
     """
     caps = caps or Caps.of(pieces)
-    duration_of = duration_of or event_durations(0.0)
+    duration_of = duration_of or Standstill()
     count = len(caps.piece)
     last = np.append(caps.piece[1:] != caps.piece[:-1], True)[:count]
     ratio = np.where(last, pieces.ratio[caps.piece], 1.0)
@@ -82,7 +69,7 @@ def time_law(
         acceleration=acceleration,
         event=np.full(len(segment), -1, dtype=np.int64),
     )
-    rests = [(e.row, duration_of(e.event)) for e in pieces.path.events]
+    rests = [(e.row, duration_of(e)) for e in pieces.path.events]
     phases, rest_start = _with_rests(moving, pieces, rests)
     row_start, row_end = _row_times(phases, pieces)
     times = _event_times(pieces, rest_start, row_start)

@@ -88,10 +88,14 @@ class ToolState:
 
 @frozen(kw_only=False)
 class PathEvent:
-    """`event` happens before row `row` begins (row n: after the last one)."""
+    """`event` happens before row `row` begins (row n: after the last one).
+
+    `turns` are the speeds of the spindle before and after it [rad/s], signed, where it changes them.
+    """
 
     row: int
     event: Event
+    turns: tuple[float, float] | None = None
 
 
 @frozen(slots=False, kw_only=False, eq=False)
@@ -231,7 +235,7 @@ class ToolPath:
             own = np.array([numbers[state] for state in path.states], dtype=columns["state"].dtype)
             columns["state"][rows] = own[path.state]
         columns["source"][len(self) :] += len(self.spans)
-        moved = tuple(PathEvent(e.row + len(self), e.event) for e in leg.events)
+        moved = tuple(replace(e, row=e.row + len(self)) for e in leg.events)
         return ToolPath(
             **columns,
             states=tuple(states),

@@ -27,6 +27,7 @@ from gcodesim.motion.tool_path import Commanded, ToolPath
 from gcodesim.motion.trajectory import Samples
 from gcodesim.planning.arm_kernels import JointCaps, SegmentRates, joint_caps
 from gcodesim.planning.axis_posing import AxisPosing, axes_at, limits_of_axes, offsets
+from gcodesim.planning.bent_ways import report_bent_rapids, report_jumps
 from gcodesim.planning.feeds import report_fast_feeds
 from gcodesim.planning.kinks import Kinks
 from gcodesim.planning.plan import JointExtremes, JointPath
@@ -100,6 +101,8 @@ class AxisAttitude:
         report_missing_axes(path, tool.columns, findings)
         possible = np.where(held, np.inf, along_limits(Curves.of(path), limits)[0])
         report_fast_feeds(path, possible, findings)
+        ends = [_joints_of_tips(tool, points, offsets(path)) for points in (path.start, path.end)]
+        report_jumps(path, tool, held, np.stack(ends), findings)
         pieces = blend(path, limits, independent_rapids=~held if self.independent_rapids else False)
         segments = Segments.of(pieces, held)
         q0, q1 = (_joints_at(tool, pieces, held, segments.piece, segments.at(pieces, s)[0]) for s in segments.ends)
@@ -111,6 +114,7 @@ class AxisAttitude:
                 np.fmin.at(low, row, values)
                 np.fmax.at(high, row, values)
         report_travel(path, tool.columns, joints, findings, (low, high))
+        report_bent_rapids(pieces, findings)
         caps = _caps(kinematics, tool, pieces, held, segments, (q0, q1), findings)
         start = np.array(axes_at(joints.names, home))
         return Posed(pieces, AttitudeJoints(pieces, tool, held, start, low, high), caps)

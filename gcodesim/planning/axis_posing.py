@@ -18,6 +18,7 @@ from gcodesim.motion.pieces import AxisLimits, Pieces
 from gcodesim.motion.printer_law import as_printed, is_printed, without_blending
 from gcodesim.motion.tool_path import Commanded, ToolPath
 from gcodesim.motion.trajectory import Samples
+from gcodesim.planning.bent_ways import report_bent_rapids
 from gcodesim.planning.feeds import report_fast_feeds
 from gcodesim.planning.plan import JointExtremes, JointPath
 from gcodesim.planning.posing import Posed
@@ -119,6 +120,7 @@ class AxisPosing:
         pieces = blend(path, limits, independent_rapids=self.independent_rapids)
         if printed:
             pieces = as_printed(pieces)
+        report_bent_rapids(pieces, findings)
         return Posed(pieces, AxisJoints(pieces, axes, np.array(axes_at(joints.names, home))))
 
     def after(self, leg: JointPath, path: ToolPath, home: Array) -> AxisPosing:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from gcodesim.frames import Array
 from gcodesim.frozen import frozen
-from gcodesim.motion.tool_path import HOME, RAPID, PathEvent, ToolPath
+from gcodesim.motion.tool_path import HOME, RAPID, ToolPath
 
 
 @frozen(kw_only=False, eq=False)
@@ -63,5 +63,5 @@ def _with_moves_on_the_spot(path: ToolPath, before: NDArray[np.intp]) -> ToolPat
     columns["rotary_feed"][at] = False
     columns["sweep"][at] = 0.0
     columns["stop"][at] = True
-    events = tuple(PathEvent(e.row + int(np.searchsorted(before, e.row, side="left")), e.event) for e in path.events)
+    events = tuple(replace(e, row=e.row + int(np.searchsorted(before, e.row, side="left"))) for e in path.events)
     return replace(path, **columns, events=events)

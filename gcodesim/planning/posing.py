@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Protocol
 
-from gcodesim.canon import Axes, Event
+from gcodesim.canon import Axes
 from gcodesim.diagnostics import Findings
 from gcodesim.frames import Array, Pose
 from gcodesim.frozen import frozen
 from gcodesim.motion.pieces import Pieces
+from gcodesim.motion.standing import Duration
 from gcodesim.motion.timing import Caps, time_law
 from gcodesim.motion.tool_path import Commanded, ToolPath
 from gcodesim.planning.feeds import without_zero_feeds
@@ -64,7 +65,7 @@ def plan_path(
     posing: Posing,
     *,
     home: Array,
-    duration_of: Callable[[Event], float] | None = None,
+    duration_of: Duration | None = None,
     tool_frames: Mapping[int, Pose] | None = None,
 ) -> Plan:
     """Run `path` on a machine whose joints stand at `home` (j,) first.

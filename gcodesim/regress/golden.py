@@ -9,6 +9,7 @@ from typing import Any, Final
 
 from gcodesim.diagnostics import SourceText
 from gcodesim.numbers import read_json, rounded
+from gcodesim.regress.compare import TOOL_PACES
 from gcodesim.regress.facts import Facts, coarse
 from gcodesim.regress.step_text import lines_of, steps_from
 from gcodesim.regress.surfaces import Coarse
@@ -22,6 +23,7 @@ _RESULTS: Final = (
     *("channels", "meetings", "coating", "target", "parts", "printing", "path_accuracy"),
 )
 _PLACES: Final = (
+    *TOOL_PACES,
     *("line_of_max_force", "line_of_margin", "first_line", "error_bound_mm3", "file", "line"),
     *("program", "blocks", "line_of_AT", "time_of_AT_s"),
 )

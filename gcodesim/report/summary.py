@@ -29,6 +29,10 @@ def summary_rows(results: Results) -> list[list[str]]:
     ]
     if times.dwell:
         rows.append(["  dwell", f"{times.dwell:.1f} s"])
+    if times.spindle:
+        rows.append(["  spindle", f"{times.spindle:.1f} s"])
+    if times.devices:
+        rows.append(["  devices", f"{times.devices:.1f} s"])
     if times.tool_change:
         rows.append(["  tool changes", f"{times.tool_change:.1f} s"])
     for name, channel in results.channels.items():

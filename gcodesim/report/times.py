@@ -66,6 +66,8 @@ class TimeReport:
     lines: tuple[LineTime, ...]
     tools: tuple[ToolTime, ...]
     layers: tuple[LayerTime, ...]
+    operations: tuple[Mapping[str, Any], ...] = ()
+    """Those of `results.json`, as they stand there."""
 
     def as_json(self) -> dict[str, Any]:
         """Units in the names; in the order of the run."""
@@ -86,6 +88,7 @@ class TimeReport:
                 }
                 for t in self.tools
             ],
+            "operations": [dict(operation) for operation in self.operations],
             "layers": [
                 {
                     "z_mm": None if layer.z is None else rounded(layer.z / MM, 6),
@@ -131,6 +134,7 @@ def time_report(recording: Recording) -> TimeReport:
         lines=_lines(recording, starts, durations, process, block),
         tools=_tools(recording, starts, durations, process, block),
         layers=_layers(recording, end_ns, process),
+        operations=tuple(recording.results.get("operations", ())),
     )
 
 

@@ -16,6 +16,7 @@ from gcodesim import simulation
 from gcodesim.api import InputError
 from gcodesim.canon import Pause, ToolChange
 from gcodesim.cell.loader import load_cell
+from gcodesim.cell.standing import standing_of
 from gcodesim.controllers import Controller
 from gcodesim.diagnostics import Diagnostic, Findings, Severity, SourceText, Span
 from gcodesim.frames import Array, Pose, quaternion_from_rotation, rotation_from_quaternion
@@ -23,7 +24,6 @@ from gcodesim.frozen import frozen
 from gcodesim.jobs.job import Job, Options
 from gcodesim.kinematics.protocol import Status
 from gcodesim.motion.joining import standing_until
-from gcodesim.motion.timing import event_durations
 from gcodesim.motion.tool_path import PathEvent, ToolPath, ToolState
 from gcodesim.observation.schedule import Station, stations_of
 from gcodesim.planning import Plan, plan_path, posing_of
@@ -274,7 +274,7 @@ class OpenCell:
         """Run all steps that wait."""
         stretches, self._waiting = merged(self._waiting), []
         if stretches:
-            changes = event_durations(self._shop.cell.magazine.change_time)
+            changes = standing_of(self._shop.cell, self._shop.channel)
             self._advance(plan_of(stretches, self._shop, self._step_ns * 1e-9, changes))
 
     def _advance(self, leg: Plan) -> None:
@@ -363,7 +363,7 @@ class OpenCell:
             shop.kinematics,
             posing_of(shop),
             home=self._q,
-            duration_of=event_durations(shop.cell.magazine.change_time),
+            duration_of=standing_of(shop.cell, shop.channel),
             tool_frames={number: each.X_FT for number, each in shop.cell.tools.items()},
         )
         self._events = []

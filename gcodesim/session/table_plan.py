@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -15,6 +15,7 @@ from gcodesim.frames import Array
 from gcodesim.frozen import frozen
 from gcodesim.motion.blend import blend
 from gcodesim.motion.pieces import AxisLimits
+from gcodesim.motion.standing import Duration
 from gcodesim.motion.timing import time_law
 from gcodesim.motion.tool_path import EXACT_STOP, LINE, PathEvent, ToolPath, ToolState
 from gcodesim.planning import Plan, posing_of
@@ -79,7 +80,7 @@ def merged(stretches: Sequence[Stretched]) -> list[Stretched]:
     return [replace(same[0], q=np.concatenate([same[0].q, *(later.q[1:] for later in same[1:])])) for same in found]
 
 
-def plan_of(stretches: Sequence[Stretched], shop: Shop, dt: float, duration_of: Callable[[Event], float]) -> Plan:
+def plan_of(stretches: Sequence[Stretched], shop: Shop, dt: float, duration_of: Duration) -> Plan:
     """The plan of a leg, one row for each of the stretches; the path is in base axes, as that of every plan."""
     count = len(stretches)
     start, end = (_points(shop, [stretch.q[row] for stretch in stretches]) for row in (0, -1))

@@ -9,7 +9,7 @@ from typing import Any
 
 KEYS = [
     "schema", "status", "stopped_at", "inputs", "findings", "time", "distance",
-    "stocks", "tools", "joints", "not_simulated",
+    "stocks", "tools", "operations", "joints", "not_simulated",
 ]  # fmt: skip
 FINDING = [
     "code", "severity", "message", "hint", "file", "line", "column", "end_line", "end_column",

@@ -30,7 +30,9 @@ def add_parser(commands: Any) -> None:
     parser.add_argument("other", type=Path, metavar="OTHER", nargs="?", help="a second run, shown beside the first")
     parser.add_argument("-o", "--out", type=Path, metavar="FILE", help="the page (default: report.html)")
     parser.add_argument(
-        "--times", action="store_true", help="print the time by tool, layer and line; the parts add up to the total"
+        "--times",
+        action="store_true",
+        help="print the time by tool, operation, layer and line; the parts add up to the total",
     )
     add_format(parser)
     parser.set_defaults(run=reads_logs(run))
@@ -92,6 +94,24 @@ def _print_times(report: TimeReport) -> None:
         volume = f"{tool.removed / MM3:.0f} mm³"
         rows.append([name, f"{tool.seconds:.1f} s", share(tool.seconds), f"{tool.engaged:.1f} s", volume])
     print_table(rows)
+    if report.operations:
+        print("\nby operation: from one tool change, or one comment that stands alone, to the next")
+        rows = [["operation", "tool", "lines", "time", "", "at feed", "mean", "least", "share at the feed"]]
+        for one in report.operations:
+            rows.append(
+                [
+                    str(one["name"]),
+                    f"T{one['tool']}",
+                    f"{one['first_line']} to {one['last_line']}",
+                    f"{one['time_s']:.1f} s",
+                    share(one["time_s"]),
+                    f"{one['feed_mm']:.0f} mm",
+                    f"{one['mean_feed_mm_min']:.0f} mm/min",
+                    f"{one['least_feed_mm_min']:.0f} mm/min",
+                    f"{100.0 * one['share_at_feed']:.0f} %",
+                ]
+            )
+        print_table(rows)
     if report.layers:
         print("\nby layer: with the moves that lead to it")
         rows = [["Z", "time", "", "at work"]]

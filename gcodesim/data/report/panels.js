@@ -226,8 +226,17 @@ G.tables = (place) => {
           t: (() => { const i = run.blocks.modal.findIndex((m) => run.modals[m].tool === tool.number); return i < 0 ? null : run.blocks.t[i]; })(),
         })), ["total", G.clock(times.tools.reduce((sum, tool) => sum + tool.time_s, 0)), "", "", "", "", "", ...own.map(() => "")]);
     }
+    if ((results.operations || []).length) {
+      G.table(place, `${name}Time by operation`, "from one tool change, or one comment that stands alone, to the next",
+        [["operation", "l"], ["tool"], ["lines"], ["time"], [""], ["at feed mm"], ["rapid mm"], ["mean mm/min"], ["least mm/min"], ["share at the feed"]],
+        results.operations.map((one) => ({
+          cells: [one.name, `T${one.tool}`, `${one.first_line}–${one.last_line}`, G.clock(one.time_s), G.share(one.time_s, total), G.number(one.feed_mm, 0), G.number(one.rapid_mm, 0),
+            G.number(one.mean_feed_mm_min, 0), G.number(one.least_feed_mm_min, 0), G.share(one.share_at_feed, 1)],
+          t: G.firstOf(run, run.program, one.first_line),
+        })));
+    }
     if (results.time) {
-      const parts = [["feed", "feed_s"], ["rapid", "rapid_s"], ["dwell", "dwell_s"], ["tool change", "tool_change_s"]];
+      const parts = [["feed", "feed_s"], ["rapid", "rapid_s"], ["dwell", "dwell_s"], ["tool change", "tool_change_s"], ["spindle", "spindle_s"], ["devices", "devices_s"]];
       G.table(place, `${name}Time by kind`, "", [["kind", "l"], ["time"], [""]],
         parts.filter(([, key]) => results.time[key]).map(([text, key]) => ({ cells: [text, G.clock(results.time[key]), G.share(results.time[key], results.time.total_s)] })),
         ["total", G.clock(results.time.total_s), ""]);

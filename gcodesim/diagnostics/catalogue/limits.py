@@ -94,6 +94,28 @@ CODES: tuple[Code, ...] = (
         "top of the program.",
     ),
     Code(
+        code="GS211",
+        severity=Severity.NOTE,
+        title="A rapid on a bent way",
+        what="The machine's axes go at their own speed in a rapid (`rapids: independent`). The one with the shorter way"
+        " is there first, so the tool does not go straight from one end to the other.",
+        why="A straight line that clears a clamp or a wall may not be what the machine does. Here the bent way is"
+        " timed, cut and checked for collisions.",
+        remedy="Nothing, if no collision is found. Otherwise go up before going across, or write `rapids: linear` if"
+        " the control interpolates its rapids.",
+    ),
+    Code(
+        code="GS212",
+        severity=Severity.WARNING,
+        title="The tool turns on the spot",
+        what="Within one feed move of the tip, a rotary axis turns by far more than the direction of the tool in the"
+        " work changes: it rewinds, the axes change their branch, or the tool passes the pole.",
+        why="The linear axes swing along with it while the tool hardly moves on: it rubs or gouges, and the block"
+        " takes longer than its feed says.",
+        remedy="Retract before the turn and come back after it, command the other branch from the start, or tilt the"
+        " work so that the tool keeps clear of the axis.",
+    ),
+    Code(
         code="GS215",
         severity=Severity.NOTE,
         title="Configuration searched over the whole path",

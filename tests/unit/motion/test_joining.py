@@ -11,7 +11,8 @@ from gcodesim.motion import build_tool_path
 from gcodesim.motion.blend import blend
 from gcodesim.motion.joining import joined, standing_until, with_instant
 from gcodesim.motion.pieces import AxisLimits
-from gcodesim.motion.timing import event_durations, time_law
+from gcodesim.motion.standing import Standstill
+from gcodesim.motion.timing import time_law
 from gcodesim.motion.tool_path import ToolPath
 from gcodesim.motion.trajectory import Trajectory
 
@@ -25,7 +26,7 @@ def line(number: int, x: float, y: float = 0.0) -> LinearFeed:
 
 def leg(start: float, *events: Event) -> Trajectory:
     path = build_tool_path(events, (start, 0.0, 0.0, 0.0, 0.0, 0.0))
-    return time_law(blend(path, LIMITS), duration_of=event_durations(1.0))
+    return time_law(blend(path, LIMITS), duration_of=Standstill(tool_change=1.0))
 
 
 def both(one: Trajectory, other: Trajectory) -> Trajectory:

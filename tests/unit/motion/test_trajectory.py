@@ -22,7 +22,8 @@ from gcodesim.diagnostics import Span
 from gcodesim.motion import ToolPath, build_tool_path
 from gcodesim.motion.blend import blend
 from gcodesim.motion.pieces import AxisLimits
-from gcodesim.motion.timing import Caps, event_durations, time_law
+from gcodesim.motion.standing import Standstill
+from gcodesim.motion.timing import Caps, time_law
 from gcodesim.motion.timing_kernels import end_speeds
 from gcodesim.motion.trajectory import Trajectory
 from tests.effort import growth
@@ -41,7 +42,7 @@ def line(x: float, y: float = 0.0, feed: float = 0.1, number: int = 1) -> Linear
 
 
 def run(*events: Event, tool_change_time: float = 0.0) -> Trajectory:
-    return time_law(blend(build_tool_path(events), LIMITS), duration_of=event_durations(tool_change_time))
+    return time_law(blend(build_tool_path(events), LIMITS), duration_of=Standstill(tool_change=tool_change_time))
 
 
 def random_program(seed: int) -> list[Event]:

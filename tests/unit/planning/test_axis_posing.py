@@ -23,7 +23,7 @@ from gcodesim.canon import (
 from gcodesim.diagnostics import Diagnostic, Span
 from gcodesim.kinematics import Axis, Kinematics, chain_of_axes, kinematics_of
 from gcodesim.motion import build_tool_path
-from gcodesim.motion.timing import event_durations
+from gcodesim.motion.standing import Standstill
 from gcodesim.planning import AxisPosing, Plan, plan_path
 
 ZERO: Axes = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
@@ -53,7 +53,7 @@ def planned(*events: Event, rotary: bool = False, rapids: str = "linear", home: 
     q = np.array(home or [0.0] * len(kinematics.joints))
     posing = AxisPosing(independent_rapids=rapids == "independent")
     path = build_tool_path(events, posing.start(kinematics, q))
-    return plan_path(path, kinematics, posing, home=q, duration_of=event_durations(6.0))
+    return plan_path(path, kinematics, posing, home=q, duration_of=Standstill(tool_change=6.0))
 
 
 def only(plan: Plan, code: str) -> Diagnostic:

@@ -1,0 +1,141 @@
+"""How a program spends its time by operation: from one tool change, or one comment that stands alone, to the next."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from typing import Any, Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gcodesim.canon import ToolChange
+from gcodesim.diagnostics import Span
+from gcodesim.frames import Array
+from gcodesim.frozen import frozen
+from gcodesim.jobs.paces import RowPaces
+from gcodesim.motion.tool_path import HOME, RAPID, ToolPath
+from gcodesim.numbers import rounded
+from gcodesim.units import MM, MM_PER_MINUTE
+
+_ALONE: Final = re.compile(r"\s*/?\s*(?:[Nn]\d+\s*)?(?:\(([^()]*)\)|;(.*))\s*")
+_NO_NAME: Final = re.compile(r"\s*(?:finish|end|msg|debug|print|log|expect|probe)", re.IGNORECASE)
+"""Comments that end an operation, or that a control or gcodesim acts upon."""
+_SAID: Final = re.compile(r".*\boperation\s*[:=]\s*(.+)", re.IGNORECASE)
+
+
+@frozen(eq=False)
+class RowTimes:
+    """What is known of the rows of a path (n,): `time` [s], `distance` [m] and paces; and where the machine stood."""
+
+    time: Array
+    distance: Array
+    paces: RowPaces
+    stands: Sequence[tuple[int, Span, float]]
+
+
+def pace_figures(rows: NDArray[np.bool_], path: ToolPath, known: RowTimes) -> dict[str, Any]:
+    """How fast the feed moves among these rows (n,) ran: mean, least, share of the time at the programmed feed."""
+    feeds = (path.kind != RAPID) & (path.kind != HOME)
+    fed, ran = rows & feeds, known.time > 0.0
+    seconds, metres = float(known.time[fed].sum()), float(known.distance[fed].sum())
+    least = known.paces.least[fed & ran]
+    reached = float(np.minimum(known.paces.at_feed, known.time)[fed].sum())
+    return {
+        "mean_feed_mm_min": rounded(metres / seconds / MM_PER_MINUTE if seconds else 0.0),
+        "least_feed_mm_min": rounded(float(least.min()) / MM_PER_MINUTE if len(least) else 0.0),
+        "share_at_feed": rounded(reached / seconds if seconds else 0.0),
+    }
+
+
+def operation_rows(
+    path: ToolPath, file: str, lines: Sequence[str], names: Mapping[int, str], known: RowTimes
+) -> list[dict[str, Any]]:
+    """One entry an operation, in the order of the run: name, tool, lines, time and paces. `lines` are those of `file`.
+
+    An operation begins where a tool is changed or a comment stands alone in the program, if something was fed since
+    the one before. Its name is the last comment that says `operation: NAME`, else the last, else that of its tool.
+    """
+    if not len(path):
+        return []
+    heads = _heads(path, file, lines)
+    starts = _merged(heads, path)
+    number = np.zeros(len(path), dtype=np.int64)
+    number[list(starts)[1:]] = 1
+    number = np.cumsum(number)
+    feeds = (path.kind != RAPID) & (path.kind != HOME)
+    stood = np.zeros(len(starts))
+    for row, _, seconds in known.stands:
+        stood[number[min(row, len(path) - 1)]] += seconds
+    entries = []
+    for index, name in enumerate(starts.values()):
+        rows = number == index
+        if not (rows & feeds).any():
+            continue
+        fed = np.flatnonzero(rows & feeds)
+        tool = path.state_of(int(fed[0])).tool
+        spans = [path.span(int(row)) for row in (np.flatnonzero(rows)[0], np.flatnonzero(rows)[-1])]
+        entries.append(
+            {
+                "name": name or names.get(tool, f"T{tool}"),
+                "tool": int(tool),
+                "first_line": spans[0].line,
+                "last_line": spans[1].line,
+                "time_s": rounded(float(known.time[rows].sum()) + float(stood[index])),
+                "feed_mm": rounded(float(known.distance[rows & feeds].sum()) / MM),
+                "rapid_mm": rounded(float(known.distance[rows & ~feeds].sum()) / MM),
+                **pace_figures(rows, path, known),
+            }
+        )
+    return entries
+
+
+class OperationName(NamedTuple):
+    """How an operation is called; `said`: its comment calls itself one."""
+
+    text: str = ""
+    said: bool = False
+
+    def or_later(self, other: OperationName) -> OperationName:
+        """Which of two counts, of which `other` comes later."""
+        return other if other.text and other.said >= self.said else self
+
+
+def _name_of(line: str) -> OperationName:
+    """The name that a line gives: a comment that stands alone."""
+    match = _ALONE.fullmatch(line)
+    text = "" if match is None else (match[1] or match[2] or "").strip()
+    if not text or _NO_NAME.match(text):
+        return OperationName()
+    said = _SAID.fullmatch(text)
+    return OperationName(text) if said is None else OperationName(said[1].strip(), said=True)
+
+
+def _heads(path: ToolPath, file: str, lines: Sequence[str]) -> dict[int, OperationName]:
+    """Rows before which an operation may begin, in order, each with its name or none."""
+    comments = {line: name for line, text in enumerate(lines, start=1) if (name := _name_of(text)).text}
+    heads = {e.row: OperationName() for e in path.events if isinstance(e.event, ToolChange) and e.row < len(path)}
+    places = np.array(sorted(comments), dtype=np.int64)
+    own = np.array([span.file == file for span in path.spans])[path.source]
+    at = np.array([span.line for span in path.spans], dtype=np.int64)[path.source]
+    rows = np.flatnonzero(own)
+    passed = np.searchsorted(places, at[rows])
+    before = np.concatenate([[0], passed[:-1]])
+    for k in np.flatnonzero(passed > before):
+        row = int(rows[k])
+        for place in places[before[k] : passed[k]]:
+            heads[row] = heads.get(row, OperationName()).or_later(comments[int(place)])
+    return dict(sorted(heads.items()))
+
+
+def _merged(heads: Mapping[int, OperationName], path: ToolPath) -> dict[int, str]:
+    """The same without those before which nothing was fed since the one before."""
+    feeds = np.concatenate([[0], np.cumsum((path.kind != RAPID) & (path.kind != HOME))])
+    starts = {0: OperationName()}
+    for row, name in heads.items():
+        last = next(reversed(starts))
+        if feeds[row] > feeds[last]:
+            starts[row] = name
+        else:
+            starts[last] = starts[last].or_later(name)
+    return {row: name.text for row, name in starts.items()}

@@ -1,0 +1,72 @@
+"""Bent rapids (GS211) and tools that turn on the spot (GS212)."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from gcodesim.cell.loader import read_cell
+from gcodesim.diagnostics import Diagnostic, SourceText
+from gcodesim.jobs.job import Job
+from gcodesim.simulation import prepare
+
+MILL = """gcodesim: 1
+machine:
+  rapids: RAPIDS
+  axes:
+    X: {travel: [-300, 300 mm], speed: 10 m/min, acceleration: 1000 m/s^2}
+    Y: {travel: [-300, 300 mm], speed: 20 m/min, acceleration: 1000 m/s^2}
+    Z: {travel: [-300, 300 mm], speed: 5 m/min, acceleration: 1000 m/s^2}
+"""
+TRUNNION = MILL.replace("RAPIDS", "linear") + """
+    A: {travel: [-120, 120 deg], speed: 90 deg/s, at: [0, 0, -120 mm]}
+    C: {travel: unlimited, speed: 180 deg/s, at: [0, 0, -120 mm]}
+"""
+
+
+def job_of(program: str, cell: str) -> Job:
+    loaded = read_cell(SourceText("cell.yaml", cell.encode()), Path("cell.yaml"))
+    return prepare(SourceText("a.ngc", ("G21 G90\n" + program + "M2\n").encode()), loaded)
+
+
+def found(program: str, cell: str, code: str) -> list[Diagnostic]:
+    return [finding for finding in job_of(program, cell).findings if finding.code == code]
+
+
+def test_a_bent_rapid_is_told_with_how_far_it_passes_beside() -> None:
+    """X needs twice as long for the same way as Y: the corner of the way is at half X, all of Y."""
+    cell = MILL.replace("RAPIDS", "independent")
+    notes = found("G0 X100\nG0 X0 Y100\nG0 X50 Y50\n", cell, "GS211")
+    assert [(note.span.line, note.count) for note in notes] == [(3, 2)]
+    assert notes[0].value == pytest.approx(0.1 / np.sqrt(2.0) / 2.0, rel=3e-2)  # (50, 100) from x + y = 100
+    assert not found("G0 X100\nG0 X0 Y100\n", MILL.replace("RAPIDS", "linear"), "GS211")
+
+
+def test_a_bent_rapid_is_the_way_that_is_run() -> None:
+    job = job_of("G0 X100 Y100\n", MILL.replace("RAPIDS", "independent"))
+    assert job.plan is not None
+    trajectory = job.plan.trajectory
+    middle = job.plan.joints(trajectory.sample(np.array([0.5 * trajectory.duration])))[0]
+    np.testing.assert_allclose(middle[:2], [0.05, 0.1], atol=1e-4)
+
+
+def test_a_turn_on_the_spot_is_told() -> None:
+    told = found("M428\nG1 X10 A30 C0 F500\nX11 A-30 C180\n", TRUNNION, "GS212")
+    assert [(warning.span.line, round(np.degrees(warning.value or 0.0))) for warning in told] == [(4, 180)]
+    rewound = found("M428\nG0 X10 A30 C350\nG1 X11 C-10 F500\n", TRUNNION, "GS212")
+    assert [warning.span.line for warning in rewound] == [4]
+
+
+@pytest.mark.parametrize(
+    "lines",
+    [
+        "M428\nG1 X10 A80 C0 F500\nX11 C90\n",  # the tool turns along
+        "M428\nG1 X10 A30 C0 F500\nG0 X11 A-30 C180\n",  # in the air
+        "G1 X10 A30 C0 F500\nX11 A-30 C180\n",  # the axes are commanded
+        "M428\nG1 X10 A30 C0 F500\nX11 C40\n",
+    ],
+)
+def test_ordinary_moves_are_not_told(lines: str) -> None:
+    assert not found(lines, TRUNNION, "GS212")
