@@ -150,7 +150,8 @@ class CaseItem(_Item):
     def _verdict(self) -> CaseVerdict:
         """The verdict, as in `gcodesim test`, and kept in the same memory."""
         from gcodesim.regress.cache import Cache, default_folder
-        from gcodesim.regress.judge import Judging, judge
+        from gcodesim.regress.judge import judge
+        from gcodesim.regress.outcome import Judging
         from gcodesim.regress.sources import Sources
         from gcodesim.regress.suite import with_baseline
 

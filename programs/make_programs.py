@@ -419,37 +419,100 @@ PROGRAMS: dict[str, Callable[[], Lines]] = {
 }
 
 
-# --- pocket: the part that `pocket.nc`, written by hand, is to become -----------
+# --- targets: the parts that programs written by hand are to become ------------
+
+Ring = list[tuple[float, float]]
 
 
 def pocket_target() -> Lines:
     """A block 40 x 30 x 10 mm with a pocket 24 x 14 x 4 mm, its corners round by 3 mm, as an STL file."""
-    size, low, high, radius, floor, bottom = (40.0, 30.0), (8.0, 8.0), (32.0, 22.0), 3.0, -4.0, -10.0
-    outer = [(size[0], size[1]), (0.0, size[1]), (0.0, 0.0), (size[0], 0.0)]
-    middles = [(high[0], high[1]), (low[0], high[1]), (low[0], low[1]), (high[0], low[1])]
-    inner: list[tuple[float, float]] = []
-    corner_of: list[int] = []
-    for corner, (x, y) in enumerate(middles):
-        x, y = (value + (radius if value == least else -radius) for value, least in ((x, low[0]), (y, low[1])))
-        for k in range(25):
-            angle = math.radians(90.0 * corner + 3.75 * k)
-            inner.append((x + radius * math.cos(angle), y + radius * math.sin(angle)))
-            corner_of.append(corner)
+    size, bottom = (40.0, 30.0), -10.0
     yield "solid pocket"
-    for k, ((ax, ay), (bx, by)) in enumerate(zip(inner, inner[1:] + inner[:1], strict=True)):
-        (cx, cy), (dx, dy) = outer[corner_of[k]], outer[corner_of[(k + 1) % len(inner)]]
-        yield from _facet((ax, ay, 0.0), (cx, cy, 0.0), (bx, by, 0.0))
-        if (cx, cy) != (dx, dy):
-            yield from _facet((cx, cy, 0.0), (dx, dy, 0.0), (bx, by, 0.0))
-            yield from _facet((dx, dy, 0.0), (cx, cy, 0.0), (cx, cy, bottom))
-            yield from _facet((dx, dy, 0.0), (cx, cy, bottom), (dx, dy, bottom))
-        yield from _facet((ax, ay, 0.0), (bx, by, 0.0), (bx, by, floor))
-        yield from _facet((ax, ay, 0.0), (bx, by, floor), (ax, ay, floor))
-        yield from _facet((20.0, 15.0, floor), (ax, ay, floor), (bx, by, floor))
-    (ax, ay), (bx, by), (cx, cy), (dx, dy) = outer
+    inner, corner_of = _rounded((8.0, 8.0), (32.0, 22.0), 3.0)
+    yield from _plate_with_pocket(size, inner, corner_of, 0.0, -4.0, bottom, (20.0, 15.0))
+    (ax, ay), (bx, by), (cx, cy), (dx, dy) = _corners(size)
     yield from _facet((ax, ay, bottom), (cx, cy, bottom), (bx, by, bottom))
     yield from _facet((ax, ay, bottom), (dx, dy, bottom), (cx, cy, bottom))
     yield "endsolid pocket"
+
+
+def flip_target() -> Lines:
+    """A block 60 x 40 x 20 mm with a pocket from each side and a hole of 6 mm from floor to floor, as an STL file."""
+    size, middle, floors = (60.0, 40.0), (24.0, 18.0), (-5.0, -14.0)
+    circle = [
+        (middle[0] + 3.0 * math.cos(math.radians(3.6 * k)), middle[1] + 3.0 * math.sin(math.radians(3.6 * k)))
+        for k in range(100)
+    ]
+    yield "solid flip"
+    top, of_top = _rounded((12.0, 8.0), (44.0, 28.0), 3.0)
+    yield from _plate_with_pocket(size, top, of_top, 0.0, floors[0], -20.0, circle)
+    low, of_low = _rounded((16.0, 10.0), (36.0, 32.0), 3.0)
+    yield from _turned_over(_plate_with_pocket(size, low, of_low, -20.0, floors[1], None, circle))
+    for (ax, ay), (bx, by) in zip(circle, circle[1:] + circle[:1], strict=True):
+        yield from _facet((ax, ay, floors[0]), (bx, by, floors[0]), (bx, by, floors[1]))
+        yield from _facet((ax, ay, floors[0]), (bx, by, floors[1]), (ax, ay, floors[1]))
+    yield "endsolid flip"
+
+
+def _corners(size: tuple[float, float]) -> Ring:
+    return [(size[0], size[1]), (0.0, size[1]), (0.0, 0.0), (size[0], 0.0)]
+
+
+def _rounded(low: tuple[float, float], high: tuple[float, float], radius: float) -> tuple[Ring, list[int]]:
+    """A rectangle with round corners, 25 points each, and of which corner each point is."""
+    ring: Ring = []
+    corner_of: list[int] = []
+    for corner, (x, y) in enumerate([(high[0], high[1]), (low[0], high[1]), (low[0], low[1]), (high[0], low[1])]):
+        x, y = (value + (radius if value == least else -radius) for value, least in ((x, low[0]), (y, low[1])))
+        for k in range(25):
+            angle = math.radians(90.0 * corner + 3.75 * k)
+            ring.append((x + radius * math.cos(angle), y + radius * math.sin(angle)))
+            corner_of.append(corner)
+    return ring, corner_of
+
+
+def _plate_with_pocket(
+    size: tuple[float, float],
+    inner: Ring,
+    corner_of: list[int],
+    top: float,
+    floor: float,
+    bottom: float | None,
+    middle: tuple[float, float] | Ring,
+) -> Lines:
+    """Face, walls and floor of a pocket in a plate, and its sides down to `bottom` unless that is None.
+
+    `middle` is a point of the floor, or the rim of a hole in it with as many points as `inner`.
+    """
+    outer = _corners(size)
+    rim = middle if isinstance(middle, list) else [middle] * len(inner)
+    for k, ((ax, ay), (bx, by)) in enumerate(zip(inner, inner[1:] + inner[:1], strict=True)):
+        (cx, cy), (dx, dy) = outer[corner_of[k]], outer[corner_of[(k + 1) % len(inner)]]
+        yield from _facet((ax, ay, top), (cx, cy, top), (bx, by, top))
+        if (cx, cy) != (dx, dy):
+            yield from _facet((cx, cy, top), (dx, dy, top), (bx, by, top))
+            if bottom is not None:
+                yield from _facet((dx, dy, top), (cx, cy, top), (cx, cy, bottom))
+                yield from _facet((dx, dy, top), (cx, cy, bottom), (dx, dy, bottom))
+        yield from _facet((ax, ay, top), (bx, by, top), (bx, by, floor))
+        yield from _facet((ax, ay, top), (bx, by, floor), (ax, ay, floor))
+        (ex, ey), (fx, fy) = rim[k], rim[(k + 1) % len(rim)]
+        yield from _facet((ex, ey, floor), (ax, ay, floor), (bx, by, floor))
+        if (ex, ey) != (fx, fy):
+            yield from _facet((ex, ey, floor), (bx, by, floor), (fx, fy, floor))
+
+
+def _turned_over(facets: Lines) -> Lines:
+    """The same triangles with their outsides inside."""
+    vertices: list[str] = []
+    for line in facets:
+        if line.startswith("vertex"):
+            vertices.append(line)
+            continue
+        if line == "endloop":
+            yield from reversed(vertices)
+            vertices.clear()
+        yield line
 
 
 def _facet(*corners: tuple[float, float, float]) -> Lines:
@@ -467,8 +530,9 @@ def main() -> None:
     for name, lines in PROGRAMS.items():
         (folder / name).write_text("\n".join(lines()) + "\n", encoding="ascii")
     if len(sys.argv) == 1:
-        target = Path(__file__).parent.parent / "cells" / "pocket_target.stl"
-        target.write_text("\n".join(pocket_target()) + "\n", encoding="ascii")
+        cells = Path(__file__).parent.parent / "cells"
+        for name, lines in (("pocket_target.stl", pocket_target), ("flip_target.stl", flip_target)):
+            (cells / name).write_text("\n".join(lines()) + "\n", encoding="ascii")
 
 
 if __name__ == "__main__":

@@ -75,7 +75,7 @@ class Met:
     """What a command found in one program (or in a cell alone): findings in order, with files as the reader names them.
 
     `files` finds the paths of those names on demand. `suppressed` has the findings that the cell suppresses, with the
-    reason.
+    reason. `setup` names one of several set-ups of a job.
     """
 
     program: Path
@@ -85,11 +85,12 @@ class Met:
     cell: Path | None = None
     suppressed: Sequence[tuple[Diagnostic, str]] = ()
     results: Mapping[str, Any] | None = None
+    setup: str = ""
 
     @property
     def name(self) -> str:
         """The name of the program when it is the only one."""
-        return shown_name(self.program)
+        return self.setup or shown_name(self.program)
 
     def placed(self, root: Path) -> Met:
         """The same with all files named from `root`."""
@@ -202,7 +203,7 @@ def _case(met: Met, fail_on: str, root: Path) -> CaseVerdict:
     found += [JudgedFinding(finding=one, state="suppressed", reason=reason) for one, reason in met.suppressed]
     name = shown_path(met.program, root)
     return CaseVerdict(
-        name=name,
+        name=met.setup or name,
         file=name,
         program=name,
         cell=None if met.cell is None else shown_path(met.cell, root),

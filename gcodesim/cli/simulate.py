@@ -8,6 +8,7 @@ import resource
 import sys
 import time
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from signal import SIGINT
 from types import FrameType
@@ -66,10 +67,10 @@ def _further(arguments: argparse.Namespace, loaded: LoadedCell) -> dict[str, Sou
     return {name: read_source(path, "program") for name, path in arguments.channel.items()}
 
 
-def _prepared(arguments: argparse.Namespace, program: SourceText, loaded: LoadedCell) -> Job:
-    compiled.when_cold = _announce_compiling
+def options_of(arguments: argparse.Namespace) -> Options:
+    """What the command line says about reading and running; programs of further channels are left out."""
     language = Language.of(arguments)
-    options = Options(
+    return Options(
         world=getattr(arguments, "world", None),
         settings=language.over,
         findings=tuple(language.findings),
@@ -77,9 +78,13 @@ def _prepared(arguments: argparse.Namespace, program: SourceText, loaded: Loaded
         today=arguments.today,
         force=getattr(arguments, "force", False),
         only=getattr(arguments, "only", None),
-        channels=_further(arguments, loaded),
         fail_on=None if arguments.fail_on == "never" else Severity[arguments.fail_on.upper()],
     )
+
+
+def _prepared(arguments: argparse.Namespace, program: SourceText, loaded: LoadedCell) -> Job:
+    compiled.when_cold = announce_compiling
+    options = replace(options_of(arguments), channels=_further(arguments, loaded))
     return prepare(program, loaded, options)
 
 
@@ -123,7 +128,7 @@ def check_programs(arguments: argparse.Namespace) -> int:
             print_json(results.as_json())  # a line each
         elif arguments.format == "text":
             remarks = settled.remarks if number == len(jobs) else []
-            _print_verdict(shown, results, remarks, simulated=job.plan is not None)
+            print_run(shown, results, remarks, simulated=job.plan is not None)
     write_formats(settled.verdict, arguments)
     return settled.status
 
@@ -169,17 +174,16 @@ def _window(arguments: argparse.Namespace) -> ShownRun | None:
         raise UsageError(str(reason)) from None
 
 
-def _run_program(
-    arguments: argparse.Namespace, live: LiveView | None, window: ShownRun | None, begin: float
-) -> int:
+def refuse_early(arguments: argparse.Namespace) -> None:
+    """UsageError, before any work, for a world or an output folder that cannot be had."""
     from gcodesim.world import WorldUnavailable, require_world
 
-    if arguments.only in ("shape", "force") and (arguments.world == BULLET or live is not None):
-        asked = "--live" if live is not None else "--world bullet"
+    if arguments.only in ("shape", "force") and (arguments.world == BULLET or arguments.live is not None):
+        asked = "--live" if arguments.live is not None else "--world bullet"
         raise UsageError(f"{asked} shows a motion, which --only {arguments.only} leaves out")
     if arguments.world is not None:
         try:
-            require_world(arguments.world)  # before any work
+            require_world(arguments.world)
         except WorldUnavailable as reason:
             raise UsageError(str(reason)) from None
     if arguments.out.exists() and not arguments.out.is_dir():
@@ -189,11 +193,19 @@ def _run_program(
         raise UsageError(
             f"{link} is a link to another folder; name that folder itself with --out, or follow the link with --force"
         )
-    with _Bar() as bar:
+
+
+def _run_program(
+    arguments: argparse.Namespace, live: LiveView | None, window: ShownRun | None, begin: float
+) -> int:
+    from gcodesim.world import WorldUnavailable
+
+    refuse_early(arguments)
+    with RunBar() as bar:
         program = read_source(arguments.program, "program")
         loaded = _loaded(arguments, program)
         job = _prepared(arguments, program, loaded)
-        with _Stop() as stop:
+        with RunStop() as stop:
 
             def progress(now: Progress) -> None:
                 bar(now)
@@ -208,7 +220,7 @@ def _run_program(
             except WorldUnavailable as reason:
                 raise UsageError(str(reason)) from None
             except OSError as error:
-                raise UsageError(_unwritten(arguments.out, error)) from None
+                raise UsageError(unwritten(arguments.out, error)) from None
     interrupted = execution is not None and execution.interrupted
     if interrupted:
         arguments.write_baseline = None  # the findings of a partial run are no basis for a baseline
@@ -216,7 +228,7 @@ def _run_program(
     if arguments.format == "json":
         print_json(results.as_json())
     elif arguments.format == "text":
-        _print_verdict(
+        print_run(
             settled.shown[0], results, settled.remarks, simulated=execution is not None, interrupted=interrupted
         )
         if execution is not None:
@@ -227,15 +239,21 @@ def _run_program(
         window.stay()
     if not interrupted:
         write_parameters(job.reading, arguments)
-    seconds = time.perf_counter() - begin
-    if execution is not None and seconds > 0.0:
-        memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0
-        ratio = f"{results.times.total / seconds:.3g}"
-        note(f"{seconds:.1f} s of computing, {ratio} simulated seconds in a real one, peak memory {memory:.0f} MB")
+    if execution is not None:
+        note_effort(begin, results.times.total)
     return interrupted_by(stop.signal or SIGINT) if interrupted else settled.status
 
 
-def _unwritten(out: Path, error: OSError) -> str:
+def note_effort(begin: float, simulated: float) -> None:
+    """What a run took since `begin` of the performance counter, for `simulated` seconds."""
+    seconds = time.perf_counter() - begin
+    if seconds > 0.0:
+        memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0
+        ratio = f"{simulated / seconds:.3g}"
+        note(f"{seconds:.1f} s of computing, {ratio} simulated seconds in a real one, peak memory {memory:.0f} MB")
+
+
+def unwritten(out: Path, error: OSError) -> str:
     """Report what the system refused, such as writing to a full disk, and where the log is that can still be read."""
     from gcodesim.log import LogWriteError
 
@@ -255,19 +273,19 @@ def _unwritten(out: Path, error: OSError) -> str:
     return f"{told}{rest}"
 
 
-def _announce_compiling(signature: str, obstacle: str) -> None:
+def announce_compiling(signature: str, obstacle: str) -> None:
     """Compile what such a run needs on all cores, and say so."""
     from gcodesim.warm_up import warm_up_for
 
     warm_up_for(signature, obstacle, note)
 
 
-class _Stop:
+class RunStop:
     """Ctrl-C or SIGTERM during a run: the first finishes the current steps and closes the log, a second does not."""
 
     signal = 0  # the signal that arrived
 
-    def __enter__(self) -> _Stop:
+    def __enter__(self) -> RunStop:
         self._handled = handled(self._ask)
         self._handled.__enter__()
         return self
@@ -288,10 +306,10 @@ class _Stop:
         self._handled.__exit__(None, None, None)
 
 
-class _Bar:
+class RunBar:
     """A bar with the time left on a terminal, nothing elsewhere. It says `reading` until the first step is done."""
 
-    def __enter__(self) -> _Bar:
+    def __enter__(self) -> RunBar:
         self._bar = None
         if sys.stderr.isatty():
             from rich.console import Console
@@ -319,7 +337,7 @@ class _Bar:
             self._bar.stop()
 
 
-def _print_verdict(
+def print_run(
     shown: ShownProgram, results: Results, remarks: Sequence[str], *, simulated: bool, interrupted: bool = False
 ) -> None:
     print_findings(shown.findings, shown.met.sources)

@@ -18,7 +18,7 @@ from gcodesim.diagnostics.plain import one_line, raw
 
 if TYPE_CHECKING:
     from gcodesim.regress.case import Collected
-    from gcodesim.regress.judge import Judging
+    from gcodesim.regress.outcome import Judging
 
 
 def add_selection(parser: argparse.ArgumentParser) -> None:
@@ -50,7 +50,7 @@ def add_selection(parser: argparse.ArgumentParser) -> None:
 def selected(arguments: argparse.Namespace) -> tuple[Collected, Judging]:
     """The requested cases; UsageError if there are none or a path does not exist."""
     from gcodesim.regress.case import collect
-    from gcodesim.regress.judge import Judging
+    from gcodesim.regress.outcome import Judging
 
     root = Path.cwd()
     paths = arguments.paths or [Path()]

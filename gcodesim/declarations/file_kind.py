@@ -38,21 +38,22 @@ class File(Kind):
         text = scalar(self, node, to, path)
         if isinstance(text, Unread):
             return UNREAD
-        found = to.shelf.locate(text.text, is_folder=self.is_folder)
+        own = to.shelf.seen_from_cell(text.text, text.span.file)
+        found = to.shelf.locate(own, is_folder=self.is_folder)
         if not isinstance(found, Refused):
             if self.hashed and not self.is_folder:
                 try:
-                    to.shelf.open(text.text, found)
+                    to.shelf.open(own, found)
                 except OSError as error:
                     return to.fault("GS714", text.span, f"`{short(text.text)}` cannot be read: {error.strerror}")
-            return FileValue(name=text.text, path=found)
-        name = key_name(path)
+            return FileValue(name=own, path=found)
+        name, whose = key_name(path), to.shelf.whose
         if found.reason == "outside":
             return to.fault(
                 "GS715",
                 text.span,
-                f"`{name}` names `{short(text.text)}`, which lies outside the cell's folder (tried `{found.tried}`)",
-                "move it beside the cell, or allow its folder by `--allow-path DIR`",
+                f"`{name}` names `{short(text.text)}`, which lies outside the {whose}'s folder (tried `{found.tried}`)",
+                f"move it beside the {whose}, or allow its folder by `--allow-path DIR`",
             )
         if found.reason == "package":
             package = text.text.removeprefix("package://").partition("/")[0]
@@ -62,12 +63,13 @@ class File(Kind):
                 f"the folder of package `{short(package)}` is not known",
                 suggestion(package, sorted(to.shelf.packages)) or f"add `packages: {{{package}: folder}}`",
             )
+        near = suggestion(text.text, list(to.shelf.left)) if self.is_folder else ""
         wrong = _WRONG.get(found.reason, "is not there")
         return to.fault(
             "GS714",
             text.span,
-            f"`{name}`: {self.what} `{short(text.text)}` {wrong}; tried `{found.tried}` in the folder of the cell",
-            "names are relative to the cell file",
+            f"`{name}`: {self.what} `{short(text.text)}` {wrong}; tried `{found.tried}` in the folder of the {whose}",
+            near or f"names are relative to the {whose} file",
         )
 
     def schema(self, definitions: dict[str, Json]) -> Json:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import errno
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path, PurePosixPath
 from typing import Final
@@ -46,22 +46,36 @@ class Shelf:
     """Finds the files of one cell and remembers what was read.
 
     A name is looked up beside the cell. It may leave that folder only into a folder of `allowed`, which the user names
-    and never the cell; symbolic links are followed first. `runs_code`: the user lets it run Python that the cell names,
-    whose `modules` it then remembers.
+    and never the cell; symbolic links are followed first. `homes` has the folders of other files from which keys of the
+    cell come, by their names in findings; `left` the folders of earlier set-ups, by the names of these. `whose`
+    files they are, people are told. `runs_code`: the user lets it run Python that the cell names, whose `modules` it
+    then remembers.
     """
 
     folder: Path
+    whose: str = "cell"
     allowed: Sequence[Path] = ()
     runs_code: bool = False
     modules: list[str] = field(default_factory=list)
     packages: dict[str, Path] = field(default_factory=dict)
+    homes: Mapping[str, Path] = field(default_factory=dict)
+    left: Mapping[str, Path] = field(default_factory=dict)
     read: dict[str, InputFile] = field(default_factory=dict)
     sources: dict[str, SourceText] = field(default_factory=dict)
 
     def may_read(self, path: Path) -> bool:
         """Whether `path` lies in an allowed folder."""
         real = Path(os.path.realpath(path))
-        return any(real.is_relative_to(os.path.realpath(root)) for root in (self.folder, *self.allowed))
+        roots = (self.folder, *self.allowed, *self.left.values())
+        return any(real.is_relative_to(os.path.realpath(root)) for root in roots)
+
+    def seen_from_cell(self, name: str, file: str) -> str:
+        """How the cell would write `name`, which stands in `file`: files are named from where they are named."""
+        home = self.homes.get(file)
+        known = name.startswith("package://") or name.partition("/")[0] in self.left or os.path.isabs(name)
+        if home is None or known or "\0" in name:
+            return name
+        return PurePosixPath(os.path.relpath(home / name, self.folder)).as_posix()
 
     def locate(self, name: str, *, is_folder: bool = False) -> Path | Refused:
         """The path that `name` means, or why there is none. `package://NAME/…` looks into `packages`."""
@@ -101,6 +115,9 @@ class Shelf:
             package, _, rest = name.removeprefix("package://").partition("/")
             root = self.packages.get(package)
             return None if root is None else root / rest
+        setup, _, rest = name.partition("/")
+        if setup in self.left:
+            return self.left[setup] / rest
         return self.folder / name
 
     def _shown(self, path: Path, name: str) -> str:

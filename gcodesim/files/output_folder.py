@@ -21,6 +21,8 @@ LOG_NAME: Final = "run.mcap"
 RESULTS_NAME: Final = "results.json"
 LINES_NAME: Final = "lines.csv"
 CELL_NAME: Final = "cell.yaml"
+SETUP_NAME: Final = "setup.json"
+SETUPS_NAME: Final = "setups.json"
 TABLE_OF_READINGS: Final = "_readings.csv"
 STOCK_SUFFIXES: Final = (".stl", ".stock")
 FILM_SUFFIXES: Final = (".film.ply", ".film.csv")
@@ -31,6 +33,8 @@ IN_USE: Final = "GS751"
 _BEGINNINGS: Final[Mapping[str, tuple[tuple[int, bytes], ...]]] = {
     ".mcap": ((0, b"\x89MCAP0\r\n"), (25, b"gcodesim")),
     ".json": ((0, b'{\n "schema": "gcodesim-results/'),),
+    SETUP_NAME: ((0, b'{\n "schema": "gcodesim-setup/'),),
+    SETUPS_NAME: ((0, b'{\n "schema": "gcodesim-setups/'),),
     ".csv": ((0, b"file,line,time_s,"),),
     TABLE_OF_READINGS: ((0, b"reading,time_s,"),),
     ".stl": ((0, b"gcodesim binary STL"),),
@@ -80,6 +84,8 @@ def names_of(
 
 def _kind_of(name: str) -> str:
     """How a name that gcodesim gives ends."""
+    if name in (SETUP_NAME, SETUPS_NAME):
+        return name
     return next((suffix for suffix in (*FILM_SUFFIXES, TABLE_OF_READINGS) if name.endswith(suffix)), Path(name).suffix)
 
 

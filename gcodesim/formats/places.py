@@ -8,9 +8,9 @@ from dataclasses import field
 from pathlib import Path
 
 from gcodesim.diagnostics import SourceText
+from gcodesim.files.repository import top_of
 from gcodesim.frozen import frozen
 from gcodesim.regress.case import shown_path
-from gcodesim.regress.repository import top_of
 from gcodesim.regress.sources import Sources
 
 

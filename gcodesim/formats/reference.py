@@ -15,6 +15,7 @@ from gcodesim.key_page import escaped, rewrite
 
 _SECTIONS: Final = (
     ("results", "`results.json`, `run` and `check`"),
+    ("setups", "`setups.json`, `run` and `check` of a job"),
     ("findings", "A finding, in `lint`, `cell validate` and everywhere"),
     ("test", "`test`"),
     ("mutants", "`test --mutate`"),

@@ -651,10 +651,29 @@ def _test_file() -> Json:
     return case_schema()
 
 
+def _job_file() -> Json:
+    from gcodesim.setups.setup_file import job_schema
+
+    return job_schema()
+
+
+def _setups() -> Json:
+    sums = {"time": "times of all, added up", "distance": "ways of all, added up"}
+    root = record(
+        "the set-ups of a job",
+        schema=choice("name of this form", "gcodesim-setups/1"),
+        status=choice("the worst of all", "ok", "findings", "failed"),
+        **{name: table(what, number("as in the results of a run")) for name, what in sums.items()},
+        setups=table("each set-up by its name, in the order of the job", ref("results", "its `results.json`")),
+    )
+    return document("setups.json, gcodesim run and check of a job", root, {"finding": finding(), "results": _results()})
+
+
 SCHEMAS: Final[dict[str, Callable[[], Json]]] = {
     "results": lambda: document(
         "results.json, gcodesim run and check --format json", _results(), {"finding": finding()}
     ),
+    "setups": _setups,
     "findings": _findings,
     "test": _test,
     "mutants": _mutants,
@@ -666,6 +685,7 @@ SCHEMAS: Final[dict[str, Callable[[], Json]]] = {
     "info": _info,
     "cell": _cell,
     "test-file": _test_file,
+    "job-file": _job_file,
 }
 """Schemas by name, as `gcodesim schema NAME` prints them."""
 

@@ -15,7 +15,7 @@ import numpy as np
 
 from gcodesim.diagnostics import Diagnostic, Severity, SourceText, Span
 from gcodesim.diagnostics.plain import text_of_table
-from gcodesim.files.output_folder import LOG_NAME, RESULTS_NAME
+from gcodesim.files.output_folder import LOG_NAME, RESULTS_NAME, SETUPS_NAME
 from gcodesim.log.event import LogEvent
 from gcodesim.log.logfile import LogFile, LogReadError, RawMessage
 from gcodesim.log.reader import decoder_of
@@ -57,6 +57,9 @@ class Recording:
             log = LogFile.open(file, lenient=True)
         except FileNotFoundError:
             where = f"folder {path} holds no {LOG_NAME}" if folder is not None else f"log {path} is not there"
+            if folder is not None and (folder / SETUPS_NAME).is_file():
+                inside = ", ".join(str(one.parent) for one in sorted(folder.glob(f"*/{LOG_NAME}")))
+                where += f", but those of set-ups: {inside}"
             raise RecordingError(where) from None
         except (LogReadError, OSError) as error:
             raise RecordingError(f"log {file} cannot be read: {error}") from None

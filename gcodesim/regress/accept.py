@@ -11,7 +11,8 @@ from gcodesim.frozen import frozen
 from gcodesim.regress.case import Case, shown_path
 from gcodesim.regress.changes import Comparison
 from gcodesim.regress.golden import golden_text
-from gcodesim.regress.judge import Judging, judge
+from gcodesim.regress.judge import judge
+from gcodesim.regress.outcome import Judging
 
 # what cannot be accepted: it is written by hand, or there is no result
 _NOT_TO_ACCEPT: Final = ("GS601", "GS602", "GS608", "GS610", "GS611", "GS612")

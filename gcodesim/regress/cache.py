@@ -13,14 +13,11 @@ import json
 import os
 import re
 from datetime import date
-from importlib.metadata import PackageNotFoundError, version
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, Final
 
-from gcodesim.diagnostics import Caller, Diagnostic, Severity, Span
-from gcodesim.diagnostics.show import as_json
-from gcodesim.family import extensions
+from gcodesim.diagnostics.stored import as_stored, from_stored
+from gcodesim.files.code_digest import code_digest
 from gcodesim.files.own_folder import NotOwn, OwnFolder, open_own_folder
 from gcodesim.files.user_cache import user_cache
 from gcodesim.regress.case import Case, shown_path
@@ -28,7 +25,6 @@ from gcodesim.regress.changes import SAME
 from gcodesim.regress.verdicts import CaseVerdict, JudgedFinding
 
 VARIABLE: Final = "GCODESIM_TEST_CACHE"
-_LIBRARIES: Final = ("numpy", "scipy", "numba", "pybullet", "trimesh")
 _MOST_ENTRIES: Final = 20_000
 _ABOVE: Final = re.compile(r"[0-9a-f]{2}")
 _ENTRY: Final = re.compile(r"[0-9a-f]{32}\.json")
@@ -56,7 +52,7 @@ class Cache:
                 self.refused = str(reason)
         self._root = root
         self._settings = settings
-        self._version = _version_digest()
+        self._version = code_digest()
 
     def find(self, case: Case, today: date) -> CaseVerdict | None:
         """The verdict of an earlier run with the same inputs, None when there is none."""
@@ -127,28 +123,6 @@ def _digest(path: Path | None) -> str:
         return "absent"
 
 
-def _version_digest() -> str:
-    """Version and sources (by size and time, like compilers) of gcodesim and its extensions, versions of its tools."""
-    import gcodesim
-
-    digest = hashlib.sha256(gcodesim.__version__.encode())
-    _add_sources(digest, Path(gcodesim.__file__).parent, "*.py")
-    for point in extensions():
-        digest.update(f"{point.group} {point.name} {point.value}\n".encode())
-    for module in sorted({point.module.partition(".")[0] for point in extensions()}):
-        spec = find_spec(module)
-        for folder in (spec and spec.submodule_search_locations) or ():
-            _add_sources(digest, Path(folder), "*")
-        if spec is not None and spec.origin is not None:
-            _add_source(digest, Path(spec.origin), module)
-    for name in _LIBRARIES:
-        try:
-            digest.update(f"{name} {version(name)}\n".encode())
-        except PackageNotFoundError:
-            digest.update(f"{name} none\n".encode())
-    return digest.hexdigest()
-
-
 def _entry(verdict: CaseVerdict) -> dict[str, Any]:
     return {
         "name": verdict.name,
@@ -159,19 +133,13 @@ def _entry(verdict: CaseVerdict) -> dict[str, Any]:
         "results": verdict.results,
         "found": [
             {
-                "finding": as_json(one.finding),
-                "related": _related(one.finding),
+                "finding": as_stored(one.finding),
                 "state": one.state,
                 "reason": one.reason,
             }
             for one in verdict.found
         ],
     }
-
-
-def _related(finding: Diagnostic) -> list[Any] | None:
-    span = finding.related
-    return None if span is None else [span.file, span.line, span.column, span.end_line, span.end_column]
 
 
 def _verdict(entry: dict[str, Any]) -> CaseVerdict:
@@ -182,40 +150,10 @@ def _verdict(entry: dict[str, Any]) -> CaseVerdict:
         cell=entry["cell"],
         status="passed",
         found=tuple(
-            JudgedFinding(finding=_finding(one["finding"], one["related"]), state=one["state"], reason=one["reason"])
+            JudgedFinding(finding=from_stored(one["finding"]), state=one["state"], reason=one["reason"])
             for one in entry["found"]
         ),
         comparison=SAME if entry["compared"] else None,
         results=entry["results"],
         unchanged=True,
     )
-
-
-def _finding(value: dict[str, Any], related: list[Any] | None) -> Diagnostic:
-    callers = tuple(Caller(c["file"], c["line"], c["name"]) for c in value["callers"])
-    place = (value["file"], value["line"], value["column"], value["end_line"], value["end_column"])
-    return Diagnostic(
-        code=value["code"],
-        message=value["message"],
-        span=Span(*place, callers),
-        severity=Severity[value["severity"].upper()],
-        hint=value["hint"],
-        related=None if related is None else Span(*related),
-        count=value["count"],
-        time=value["time_s"],
-        value=value["value"],
-        limit=value["limit"],
-        unit=value["unit"],
-    )
-
-
-def _add_sources(digest: Any, top: Path, pattern: str) -> None:
-    """What lies below a folder, but for what Python itself puts there."""
-    for path in sorted(top.rglob(pattern)):
-        if "__pycache__" not in path.parts and path.is_file():
-            _add_source(digest, path, str(path.relative_to(top)))
-
-
-def _add_source(digest: Any, path: Path, name: str) -> None:
-    stat = path.stat()
-    digest.update(f"{name} {stat.st_size} {stat.st_mtime_ns}\n".encode())

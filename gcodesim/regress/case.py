@@ -20,6 +20,8 @@ from gcodesim.regress.programs import PROGRAMS, programs_in
 from gcodesim.regress.readable import Readable
 from gcodesim.regress.tolerance import DEFAULTS, Tolerance
 from gcodesim.regress.verdicts import JudgedFinding
+from gcodesim.setups.setup_file import SUFFIXES as JOBS
+from gcodesim.setups.setup_file import is_job_file
 
 _GOLDENS: Final = ".golden"
 
@@ -162,8 +164,8 @@ def _stem(file: Path) -> str:
 
 
 def _own_program(file: Path) -> Path | None:
-    """The program beside a test file: NAME.nc for NAME.test.yaml."""
-    beside = (file.with_name(_stem(file) + suffix) for suffix in PROGRAMS)
+    """The program beside a test file: NAME.nc for NAME.test.yaml, or the job NAME.yaml."""
+    beside = (file.with_name(_stem(file) + suffix) for suffix in (*PROGRAMS, *JOBS))
     return next((path for path in beside if path.is_file()), None)
 
 
@@ -189,7 +191,7 @@ def _case_of_program(program: Path, root: Path, cell: Path | None) -> Case:
         program=program,
         cell=cell,
         golden=program.with_name(program.name + GOLDEN_SUFFIX),
-        options=CaseOptions(mode="run" if cell is not None else "lint"),
+        options=CaseOptions(mode="run" if cell is not None or is_job_file(program) else "lint"),
     )
 
 
@@ -247,7 +249,8 @@ def _cases_of(
             message = f"the program `{content.channels[channel]}` is not there"
             return [], [*faults, Diagnostic(code="GS610", span=at, message=message, hint=_near(path))]
     cell = default_cell if content.cell is None else file.parent / content.cell
-    if content.options.mode != "lint" and (cell is None or not cell.is_file()):
+    alone = content.options.mode == "lint" or (programs and all(map(is_job_file, programs)))
+    if not alone and (cell is None or not cell.is_file()):
         at = spans.get(("cell",), span)
         missing = "no cell is named" if cell is None else f"the cell `{content.cell or cell}` is not there"
         near = "" if content.cell is None else _near(file.parent / content.cell)

@@ -37,13 +37,21 @@ class GoldenError(ValueError):
 def golden_text(facts: Facts) -> str:
     """The file that `gcodesim accept` writes for these facts."""
     content: dict[str, Any] = {
-        "results": {key: _short(facts.results[key]) for key in _RESULTS if key in facts.results},
+        "results": _kept(facts.results),
         "findings": [{key: finding[key] for key in _OF_FINDING} for finding in facts.results.get("findings", ())],
         "surfaces": {name: surface.as_json() for name, surface in coarse(facts).items()},
         "motion": lines_of(facts.steps or ()),
     }
     content = {"schema": SCHEMA, "digest": _digest(content), **content}
     return _laid_out(content, 0) + "\n"
+
+
+def _kept(results: Mapping[str, Any]) -> dict[str, Any]:
+    """The part of the results that is accepted; of a job, that of each of its set-ups."""
+    kept = {key: _short(results[key]) for key in _RESULTS if key in results}
+    if "setups" in results:
+        kept["setups"] = {name: _kept(own) for name, own in results["setups"].items()}
+    return kept
 
 
 def read_golden(source: SourceText, name: str) -> Facts:

@@ -2,22 +2,18 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
-from datetime import date
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from gcodesim.cell.loader import read_cell
 from gcodesim.cell.settings import matches
 from gcodesim.cell.verdict import suppressed_findings
-from gcodesim.declarations.files import folders_of_the_user
 from gcodesim.declarations.reading import suggestion
 from gcodesim.diagnostics import Diagnostic, Severity, SourceText, Span
 from gcodesim.diagnostics.show import as_json
-from gcodesim.frozen import frozen
-from gcodesim.jobs.job import Job, Options
+from gcodesim.jobs.job import Job
 from gcodesim.regress import show
 from gcodesim.regress.case import Case, shown_path
 from gcodesim.regress.case_file import ExpectedValue
@@ -27,12 +23,15 @@ from gcodesim.regress.expectation import Wanted, expectations
 from gcodesim.regress.facts import Facts, compare, facts_of_run
 from gcodesim.regress.golden import GoldenError, read_golden
 from gcodesim.regress.motion import steps_of
+from gcodesim.regress.outcome import Judging, Outcome, nothing_ran, options_of, settings_of
 from gcodesim.regress.places import files_read, relocated
+from gcodesim.regress.setups import job_outcome
 from gcodesim.regress.tolerance import Tolerance, quantity_of
 from gcodesim.regress.verdicts import NOTHING_ACCEPTED, CaseVerdict, FindingState, JudgedFinding
 from gcodesim.rs274 import Settings, interpret
 from gcodesim.rs274.assumed import assumed_tools
 from gcodesim.rs274.dialects import DIALECTS
+from gcodesim.setups.setup_file import is_job_file
 from gcodesim.simulation import check, prepare, run
 from gcodesim.units import MM
 
@@ -41,47 +40,6 @@ if TYPE_CHECKING:
 
 _MOST_MOVES: Final = 20
 """Differences of motion that become findings of their own; one more finding says how many others there are."""
-
-
-@frozen
-class Judging:
-    """Settings that all cases of a test run share. `root` is the folder from which files are named."""
-
-    root: Path
-    fail_on: str = "error"
-    today: date | None = None
-    allow_paths: tuple[Path, ...] = ()
-    allow_code: bool = False
-
-    def allowed(self, case: Case) -> tuple[Path, ...]:
-        """Folders from which the case's cell may take files: those that its test file names below `root`, and ours."""
-        root = os.path.realpath(self.root)
-        named = (folder for folder in case.allow_path if Path(os.path.realpath(folder)).is_relative_to(root))
-        return (*named, *self.allow_paths)
-
-    @property
-    def settings(self) -> str:
-        """What a verdict depends on besides its case and the day; used by the cache."""
-        folders = (shown_path(folder, self.root) for folder in (*self.allow_paths, *folders_of_the_user()))
-        code = ("code",) if self.allow_code else ()
-        return " ".join((f"fail on {self.fail_on}", *folders, *code))
-
-
-@dataclass(slots=True, kw_only=True)
-class Outcome:
-    """The result of running a case.
-
-    `programs` are the program and its subprograms, `files` the paths of all that was read, `until` the days on which
-    suppressions of the cell end.
-    """
-
-    facts: Facts
-    findings: list[Diagnostic]
-    suppressed: list[tuple[Diagnostic, str]]
-    programs: Mapping[str, SourceText]
-    files: dict[str, Path]
-    until: tuple[date, ...] = ()
-    faults: list[Diagnostic]
 
 
 def judge(case: Case, how: Judging) -> tuple[CaseVerdict, Outcome]:
@@ -134,31 +92,23 @@ def run_case(case: Case, how: Judging) -> Outcome:
         name = shown_path(Path(error.filename or case.program), how.root)
         message = f"{name} cannot be read: {error.strerror or error}"
         fault = Diagnostic(code="GS612", span=Span(case.file), message=message, hint="look at its name and its rights")
-        return _nothing_ran(case, SourceText(case.program.name, b""), fault)
+        return nothing_ran(case, SourceText(case.program.name, b""), fault)
     if case.options.dialect is not None and case.options.dialect not in DIALECTS:
         hint = suggestion(case.options.dialect, list(DIALECTS))
         span = case.spans.get(("options", "dialect"), Span(case.file))
         fault = Diagnostic(code="GS612", span=span, message=f"there is no dialect `{case.options.dialect}`", hint=hint)
-        return _nothing_ran(case, program, fault)
+        return nothing_ran(case, program, fault)
     if case.options.mode == "lint":
         return _lint(case, program)
+    if is_job_file(case.program):
+        return job_outcome(case, program, how)
     assert case.cell is not None and cell is not None
     return _simulate(case, program, read_cell(cell, case.cell, how.allowed(case), allow_code=how.allow_code), how)
 
 
-def _settings(case: Case, settings: Settings) -> Settings:
-    """The reader's settings with the options of the test file."""
-    given = {
-        name: value
-        for name in ("dialect", "block_delete", "max_blocks", "time_limit")
-        if (value := getattr(case.options, name)) is not None
-    }
-    return replace(settings, **given)
-
-
 def _lint(case: Case, program: SourceText) -> Outcome:
     settings = Settings(tool_table=assumed_tools(program))
-    reading = interpret(program, _settings(case, settings))
+    reading = interpret(program, settings_of(case, settings))
     steps = tuple(steps_of(reading))
     findings = list(reading.findings)
     results = {"findings": [as_json(finding) for finding in findings]}
@@ -175,14 +125,8 @@ def _lint(case: Case, program: SourceText) -> Outcome:
 def _simulate(case: Case, program: SourceText, loaded: LoadedCell, how: Judging) -> Outcome:
     from gcodesim.world import WorldUnavailable
 
-    options = Options(
-        world=case.options.world,
-        settings=lambda settings: _settings(case, settings),
-        today=how.today,
-        fail_on=None if how.fail_on == "never" else Severity[how.fail_on.upper()],
-        channels={name: case.read(path) for name, path in case.channels.items()},
-    )
-    job = prepare(program, loaded, options)
+    channels = {name: case.read(path) for name, path in case.channels.items()}
+    job = prepare(program, loaded, replace(options_of(case, how), channels=channels))
     faults: list[Diagnostic] = []
     try:
         results = check(job) if case.options.mode == "check" else run(job)[0]
@@ -215,17 +159,6 @@ def _suppressed(job: Job) -> list[tuple[Diagnostic, str]]:
         for pair in suppressed_findings(each.findings, job.cell, each.program, job.options.today)
     ]
     return [(finding, entry.reason) for finding, entry in pairs]
-
-
-def _nothing_ran(case: Case, program: SourceText, fault: Diagnostic) -> Outcome:
-    return Outcome(
-        facts=Facts(name=program.name),
-        findings=[],
-        suppressed=[],
-        programs={program.name: program},
-        files={program.name: case.program},
-        faults=[fault],
-    )
 
 
 # ---- what was accepted

@@ -16,10 +16,11 @@ from gcodesim.regress.case import Case, shown_path
 from gcodesim.regress.mutation import CELL_OPERATORS, PROGRAM_OPERATORS, Mutation, mutate_cell, mutate_program
 from gcodesim.regress.tolerance import DEFAULTS, Tolerance
 from gcodesim.regress.workers import in_parallel
+from gcodesim.setups.setup_file import is_job_file
 
 if TYPE_CHECKING:
     from gcodesim.regress.facts import Facts
-    from gcodesim.regress.judge import Judging
+    from gcodesim.regress.outcome import Judging
 
 SCHEMA: Final = "gcodesim-mutants/1"
 
@@ -51,6 +52,7 @@ class MutantVerdict:
 
 def draw(cases: Sequence[Case], root: Path, count: int, seed: int) -> tuple[Mutant, ...]:
     """`count` mutants of `cases`; fewer if nothing more can be changed. The same seed draws the same ones."""
+    cases = [case for case in cases if not is_job_file(case.program)]  # its programs are cases of their own
     drawn: dict[tuple[str, str, str], Mutant] = {}
     for number in range(count * _TRIES):
         mutant = _draw_one(cases, root, Random(f"{seed}/{number}"))

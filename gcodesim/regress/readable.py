@@ -8,8 +8,8 @@ from pathlib import Path
 
 from gcodesim.declarations.files import folders_of_the_user
 from gcodesim.diagnostics import Diagnostic, Span
+from gcodesim.files.repository import top_of
 from gcodesim.frozen import frozen
-from gcodesim.regress.repository import top_of
 
 
 @frozen(kw_only=False)

@@ -23,7 +23,7 @@ from gcodesim.regress.workers import in_parallel
 if TYPE_CHECKING:
     from gcodesim.regress.baseline import Baseline
     from gcodesim.regress.cache import Cache
-    from gcodesim.regress.judge import Judging
+    from gcodesim.regress.outcome import Judging
 
 INTERNAL: Final = "GS613"
 """A case that could not be judged because of a fault of gcodesim."""

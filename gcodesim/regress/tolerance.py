@@ -105,6 +105,10 @@ _PATHS: Final = tuple(
 )
 
 
+_OF_SETUP: Final = re.compile(r"^setups\.[^.]*\.")
+
+
 def quantity_of(path: str) -> str:
-    """The name in `QUANTITIES` of a path of the results, such as ``stocks.stock.removed_mm3``."""
+    """The name in `QUANTITIES` of a path of the results, such as ``stocks.stock.removed_mm3``, also of a set-up."""
+    path = _OF_SETUP.sub("", path)
     return next(name for pattern, name in _PATHS if pattern.search(path))

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, TypeVar
 from gcodesim.regress.case import Case
 
 if TYPE_CHECKING:
-    from gcodesim.regress.judge import Judging
+    from gcodesim.regress.outcome import Judging
 
 T = TypeVar("T")
 

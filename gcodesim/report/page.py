@@ -35,6 +35,20 @@ _SLOWEST: Final = 40
 
 
 @frozen
+class SetupRow:
+    """A set-up of a job in the table of all: what the others were left with, and whether this run is in the page."""
+
+    name: str
+    status: str
+    time_s: float
+    removed_mm3: float
+    remaining_mm3: float
+    deviation_mm: tuple[float, float] | None
+    errors: int
+    warnings: int
+
+
+@frozen
 class Difference:
     """A difference between two runs, as lines of text; `old` and `new` are its file and line."""
 
@@ -49,15 +63,17 @@ def write_page(
     names: Sequence[str] = (),
     title: str | None = None,
     compared: tuple[str, Sequence[Difference]] | None = None,
+    setups: Sequence[SetupRow] = (),
 ) -> str:
     """The page of one run, or of two to compare; `names` tell the two apart (default: A and B).
 
-    `compared` is the result of a comparison in one line, and all differences: a list whose entries link to lines.
-    The same logs give the same text, with the same versions of the libraries
+    With `setups` the runs are those of a job, as many as have logs, with the `names` of their set-ups; the page shows
+    one after the other. `compared` is the result of a comparison in one line, and all differences: a list whose
+    entries link to lines. The same logs give the same text, with the same versions of the libraries
     whose scripts are inside. LibraryMissingError when one of those is not
     installed.
     """
-    if not 1 <= len(recordings) <= 2:
+    if not recordings or (len(recordings) > 2 and not setups):
         raise ValueError("a page shows one run or two")
     pack = Pack()
     given = list(names) or (["A", "B"] if len(recordings) == 2 else [""])
@@ -66,6 +82,8 @@ def write_page(
     content: dict[str, Any] = {"runs": runs, "tick_s": 1e-4}
     if compared is not None:
         content["compared"] = {"summary": compared[0], "differences": [asdict(one) for one in compared[1]]}
+    if setups:
+        content["setups"] = [asdict(one) for one in setups]
     index = json.dumps(clean(content), ensure_ascii=False, allow_nan=False)
     charts = chart_library()
     return _asset("page.html").format(

@@ -88,7 +88,7 @@ def test_a_failure_shows_findings_with_their_lines_and_no_traceback(pytester: py
 def test_what_differs_from_the_accepted_is_named(pytester: pytest.Pytester, folder: Path) -> None:
     from gcodesim.regress.accept import propose, take
     from gcodesim.regress.case import collect
-    from gcodesim.regress.judge import Judging
+    from gcodesim.regress.outcome import Judging
 
     for case in collect([folder], folder).cases:
         take(propose(case, Judging(root=folder)))

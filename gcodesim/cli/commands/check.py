@@ -29,6 +29,12 @@ def add_parser(commands: Any) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
+    from gcodesim.setups.setup_file import is_job_file
+
+    if any(map(is_job_file, arguments.programs)):
+        from gcodesim.cli.setups import check_job
+
+        return check_job(arguments)
     from gcodesim.cli.simulate import check_programs
 
     return check_programs(arguments)

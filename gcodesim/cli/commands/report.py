@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -11,8 +12,11 @@ from gcodesim.cli.moments import open_recording, reads_logs, status_of_reading
 from gcodesim.cli.options import add_format
 from gcodesim.cli.overwriting import refuse_foreign
 from gcodesim.extras import require_extra
+from gcodesim.files.output_folder import SETUPS_NAME
 
 if TYPE_CHECKING:
+    from gcodesim.playback import Recording
+    from gcodesim.report.page import SetupRow
     from gcodesim.report.times import TimeReport
 
 _SLOWEST: Final = 20
@@ -26,7 +30,7 @@ def add_parser(commands: Any) -> None:
         description="Write one HTML file that shows a run without a network: 3D replay with a time bar, program, "
         "findings, charts, tables. With --times print where the time goes instead.",
     )
-    parser.add_argument("log", type=Path, metavar="LOG", help="a run.mcap, or the folder of a run")
+    parser.add_argument("log", type=Path, metavar="LOG", help="a run.mcap, or the folder of a run or a job")
     parser.add_argument("other", type=Path, metavar="OTHER", nargs="?", help="a second run, shown beside the first")
     parser.add_argument("-o", "--out", type=Path, metavar="FILE", help="the page (default: report.html)")
     parser.add_argument(
@@ -41,6 +45,8 @@ def add_parser(commands: Any) -> None:
 def run(arguments: argparse.Namespace) -> int:
     if not arguments.times and arguments.format != "json":
         require_extra("report", "a page")
+    if arguments.other is None and (arguments.log / SETUPS_NAME).is_file() and not arguments.times:
+        return _write(arguments, *_setups(arguments.log))
     recordings = [open_recording(path) for path in (arguments.log, arguments.other) if path is not None]
     if arguments.times:
         from gcodesim.cli.output import print_json
@@ -54,6 +60,28 @@ def run(arguments: argparse.Namespace) -> int:
         else:
             _print_times(report)
         return status_of_reading(*recordings)
+    return _write(arguments, recordings)
+
+
+def _setups(folder: Path) -> tuple[Sequence[Recording], Sequence[str], Sequence[SetupRow]]:
+    """The runs of a job."""
+    from gcodesim.playback import RecordingError
+    from gcodesim.report.setups import stored_setups
+
+    try:
+        stored = stored_setups(folder)
+    except RecordingError as error:
+        raise UsageError(str(error)) from None
+    return stored.recordings, stored.names, stored.rows
+
+
+def _write(
+    arguments: argparse.Namespace,
+    recordings: Sequence[Recording],
+    names: Sequence[str] = (),
+    setups: Sequence[SetupRow] = (),
+) -> int:
+    """Write the page."""
     if arguments.format == "json":
         raise UsageError("--format json means nothing for a page; --times has numbers")
     from gcodesim.files.whole_file import write_whole
@@ -65,7 +93,7 @@ def run(arguments: argparse.Namespace) -> int:
         out = Path("report.html")
         refuse_foreign(out)
     try:
-        page = write_page(recordings).encode()
+        page = write_page(recordings, names, setups=setups).encode()
     except LibraryMissingError as reason:
         raise UsageError(str(reason)) from None
     try:

@@ -19,7 +19,8 @@ def add_parser(commands: Any) -> None:
         "run",
         help="simulate a program in a cell: material, forces, log, results",
         description="Simulate a program in a cell. Prints findings and a summary; writes run.mcap (the log), "
-        "results.json, lines.csv and the shape of each stock.",
+        "results.json, lines.csv and the shape of each stock. A YAML file in place of the program lists set-ups, which "
+        "run one after the other, each into a folder of its own.",
     )
     add_program(parser)
     add_cell(parser, required=True)
@@ -72,6 +73,12 @@ def _port(text: str) -> int:
 
 
 def run(arguments: argparse.Namespace) -> int:
+    from gcodesim.setups.setup_file import is_job_file
+
+    if is_job_file(arguments.program):
+        from gcodesim.cli.setups import run_job
+
+        return run_job(arguments)
     from gcodesim.cli.simulate import run_program
 
     return run_program(arguments)

@@ -16,7 +16,7 @@ from gcodesim.cli.suite import Bar, add_selection, jobs_of, selected, workers_ar
 if TYPE_CHECKING:
     from gcodesim.regress import SuiteVerdict
     from gcodesim.regress.cache import Cache
-    from gcodesim.regress.judge import Judging
+    from gcodesim.regress.outcome import Judging
 
 _DESCRIPTION = """Run programs in their cells and compare with what was accepted of them (NAME.golden.json, written by
 `gcodesim accept`) and with what test files (NAME.test.yaml) and comments `(expect: GS501)` expect. A case fails for

@@ -50,10 +50,19 @@ G.index = (list, value) => {
   return low - 1;
 };
 
+// The set-ups of a job are shown one at a time: the one that the address names (`#setup=top`), else the last.
+G.chosenSetup = (runs) => {
+  const wish = new URLSearchParams(location.hash.slice(1)).get("setup");
+  G.setupNames = runs.map((run) => run.name);
+  return runs.find((run) => run.name === wish) || runs[runs.length - 1];
+};
+G.showSetup = (name) => { location.hash = new URLSearchParams({ setup: name }); location.reload(); };
+
 G.load = async () => {
   const index = JSON.parse(new TextDecoder().decode(await G.unpack("index")));
   G.block = await G.unpack("blob");
-  G.runs = index.runs.map((run) => {
+  G.setups = index.setups || null;
+  G.runs = (G.setups ? [G.chosenSetup(index.runs)] : index.runs).map((run) => {
     const scale = index.tick_s, seconds = (entry) => Float64Array.from(G.column(entry), (t) => t * scale);
     const blocks = { t: seconds(run.blocks.t), line: G.column(run.blocks.line), modal: G.column(run.blocks.modal) };
     const files = run.files.map((file) => ({ name: file.name, lines: G.text(file.text).split("\n"), first: new Map() }));

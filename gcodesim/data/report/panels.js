@@ -6,6 +6,13 @@ G.head = (place) => {
     figure.append(G.make("b", "", value), " ", G.make("span", "", text));
   };
   place.appendChild(G.make("h1", "", [...new Set(G.runs.map((run) => run.program))].join(" / ")));
+  if (G.setups) {
+    const tabs = place.appendChild(G.make("span", "setups"));
+    for (const name of G.setupNames) {
+      const tab = tabs.appendChild(G.make("button", name === one.name ? "on" : "", name));
+      tab.onclick = () => G.showSetup(name);
+    }
+  }
   for (const run of G.runs) {
     if (G.runs.length > 1) place.appendChild(G.make("b", "", run.name));
     const label = { ok: "clean", findings: "findings", failed: run.complete ? "failed" : "incomplete" }[run.status] || run.status;
@@ -156,6 +163,16 @@ G.findings = (place) => {
   }
 };
 
+// All set-ups of a job in numbers; a click shows one.
+G.setupTable = (place) => {
+  const sum = G.setups.reduce((total, one) => total + one.time_s, 0), gap = (one) => one.deviation_mm ? one.deviation_mm.map((d) => `${d < 0 ? "−" : "+"}${G.number(Math.abs(d), 3)}`).join(" … ") : "–";
+  G.table(place, "Set-ups", "each begins with the stock that it is left", [["set-up", "l"], ["", "l"], ["time"], ["removed mm³"], ["remaining mm³"], ["deviation mm"], ["errors"], ["warnings"]],
+    G.setups.map((one) => ({
+      cells: [one.name, { ok: "clean" }[one.status] || one.status, G.clock(one.time_s), G.number(one.removed_mm3, 0), G.number(one.remaining_mm3, 0), gap(one), `${one.errors}`, `${one.warnings}`],
+      go: G.setupNames.includes(one.name) ? () => G.showSetup(one.name) : null,
+    })), ["total", "", G.clock(sum), "", "", "", "", ""]);
+};
+
 // ---- tables
 G.table = (place, title, remark, head, rows, sum) => {
   const panel = place.appendChild(G.make("div", "panel")), heading = panel.appendChild(G.make("h2", "", title));
@@ -164,7 +181,7 @@ G.table = (place, title, remark, head, rows, sum) => {
   const top = table.createTHead().insertRow();
   for (const [text, kind] of head) top.appendChild(G.make("th", kind || "", text));
   const body = table.createTBody();
-  for (const { cells, t, total } of sum ? [...rows, { cells: sum, total: true }] : rows) {
+  for (const { cells, t, go, total } of sum ? [...rows, { cells: sum, total: true }] : rows) {
     const row = body.insertRow();
     cells.forEach((cell, i) => {
       const place = row.insertCell();
@@ -175,7 +192,8 @@ G.table = (place, title, remark, head, rows, sum) => {
       if (place.className.includes("code")) place.title = place.textContent;
     });
     if (total) row.classList.add("sum");
-    if (t !== undefined && t !== null) { row.classList.add("go"); row.onclick = () => G.seek(t); }
+    if (go) { row.classList.add("go"); row.onclick = go; }
+    else if (t !== undefined && t !== null) { row.classList.add("go"); row.onclick = () => G.seek(t); }
   }
 };
 
@@ -209,6 +227,7 @@ G.differences = (place, { summary, differences }) => {
 };
 
 G.tables = (place) => {
+  if (G.setups) G.setupTable(place);
   if (G.comparison) G.differences(place, G.comparison);
   G.findings(place);
   if (G.runs.length > 1) G.compared(place);

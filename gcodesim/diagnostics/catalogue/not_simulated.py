@@ -190,10 +190,11 @@ CODES += (
     Code(
         code="GS919",
         severity=Severity.NOTE,
-        title="Probes of uncut stock",
-        what="`gcodesim check` lets the program's probes meet the stock as it comes into the cell, and cuts nothing.",
+        title="Uncut stock in a check",
+        what="`gcodesim check` cuts nothing: probes of the program meet the stock as it comes into the cell, and a "
+        "later set-up of a job gets the stock uncut.",
         why="Where the program probes what it has cut itself, `run` trips at other places, and may go on in "
-        "other lines.",
+        "other lines. What an earlier set-up takes away is still there.",
         remedy="Use `gcodesim run` for such a program.",
     ),
     Code(

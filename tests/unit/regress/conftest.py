@@ -10,8 +10,8 @@ import pytest
 from gcodesim.diagnostics import SourceText
 from gcodesim.regress.accept import propose, take
 from gcodesim.regress.case import collect
-from gcodesim.regress.judge import Judging
 from gcodesim.regress.motion import MotionStep, steps_of
+from gcodesim.regress.outcome import Judging
 from gcodesim.rs274 import Settings, interpret
 from gcodesim.rs274.assumed import assumed_tools
 

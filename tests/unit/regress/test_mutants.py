@@ -11,8 +11,8 @@ import pytest
 from gcodesim.cli import main
 from gcodesim.regress import CaseVerdict, judge
 from gcodesim.regress.case import Case, collect
-from gcodesim.regress.judge import Judging
 from gcodesim.regress.mutants import draw, judge_mutants
+from gcodesim.regress.outcome import Judging
 
 
 def contents(folder: Path) -> dict[str, bytes]:

@@ -21,9 +21,9 @@ from gcodesim.jobs.job import Options
 from gcodesim.material.stock import Stock
 from gcodesim.regress import CaseVerdict
 from gcodesim.regress.case import collect
-from gcodesim.regress.judge import Judging
 from gcodesim.regress.mutation import CELL_OPERATORS, PROGRAM_OPERATORS, Mutation, mutate_cell
 from gcodesim.regress.mutation import mutate_program as mutate
+from gcodesim.regress.outcome import Judging
 from gcodesim.regress.suite import run_suite
 from gcodesim.simulation import prepare, run
 from tests.unit.regress.neutral_edits import edit_neutrally

@@ -21,7 +21,7 @@ from gcodesim.regress.case import collect
 from gcodesim.regress.case_file import read_case_file
 from gcodesim.regress.expectation import expectations
 from gcodesim.regress.golden import GoldenError, read_golden
-from gcodesim.regress.judge import Judging
+from gcodesim.regress.outcome import Judging
 from gcodesim.regress.suite import baseline_of, run_suite
 from gcodesim.regress.suite_json import suite_as_json
 from gcodesim.regress.tolerance import Tolerance

@@ -1,0 +1,41 @@
+(flip, first set-up: the pocket of the upper side, and the hole from above)
+(stock 60 x 40 x 20, zero top front left, AlMgSi1; T1 end mill 6, T2 drill 6)
+G21 G90 G17 G94 G54 G61
+T1 M6
+G43 H1
+S9000 M3
+G0 X19 Y15 Z5
+G1 Z-2.5 F200
+G1 X19 Y15 F800
+X37
+Y21
+X19
+Y15
+G1 X15 Y11 F800
+X41
+Y25
+X15
+Y11
+G1 X19 Y15 F900
+G1 Z-5 F200
+G1 X19 Y15 F800
+X37
+Y21
+X19
+Y15
+G1 X15 Y11 F800
+X41
+Y25
+X15
+Y11
+G0 Z30
+M5
+T2 M6
+G43 H2
+S3000 M3
+G0 X24 Y18 Z5
+G81 Z-12 R-3 F250
+G80
+G0 Z30
+M5
+M2
