@@ -346,7 +346,7 @@ def _run(
         elif out is not None and job.shop is not None:
             from gcodesim.recorder.result_files import write_files
 
-            write_files(out, job.shop, results, shapes=only != "force")
+            write_files(out, job.shop, results, job.painting, shapes=only != "force")
     finally:
         if recorder is not None:
             recorder.abandon()
@@ -424,7 +424,8 @@ def _names(shop: Shop | None, out: Path) -> list[str]:
 
     kinds = [kind for kind in shop.sheet.kinds[1:] if getattr(PROCESSES[kind], "dose", "")]
     doses = {name: [PROCESSES[kind].dose for kind in kinds] for name in shop.cell.stocks}
-    own = names_of(shop.cell.stocks, film_names(shop.cell.coats), doses)
+    painted = shop.cell.stocks if shop.cell.target is not None else ()
+    own = names_of(shop.cell.stocks, film_names(shop.cell.coats), doses, painted)
     return [*own, *names_left(out, stations_of(shop.cell))]
 
 

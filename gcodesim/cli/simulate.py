@@ -361,7 +361,8 @@ def _print_files(out: Path, results: Results, others: Sequence[str]) -> None:
     coated = () if results.coating is None else results.coating["bodies"]
     print()
     doses = {name: stock.doses for name, stock in results.stocks.items()}
-    names = names_of(results.stocks, coated, doses, results.inputs.get("only"))
+    painted = () if results.target is None else (results.target.stock,)
+    names = names_of(results.stocks, coated, doses, painted, results.inputs.get("only"))
     print(f"  files in {out}: {', '.join([*names, *others])}")
     if LOG_NAME in names:
         print(f"  look at it: open {out / LOG_NAME} in Foxglove or Lichtblick, with the layout that is inside")

@@ -1,6 +1,10 @@
 """A log in the formats of other programs: tables, JSON lines, meshes, ROS 2 bags; `EXPORTERS[kind]` is the class."""
 
+from typing import Any
+
 from gcodesim.family import Family
+
+_NOT_WORDS: dict[str, Any] = {"3mf": "gcodesim.export.painted:ThreeMf"}
 
 EXPORTERS = Family(
     "exporters",
@@ -9,8 +13,10 @@ EXPORTERS = Family(
     csv="gcodesim.export.table:Csv",
     jsonl="gcodesim.export.lines:JsonLines",
     stl="gcodesim.export.part:Stl",
+    ply="gcodesim.export.painted:Ply",
     glb="gcodesim.export.model:Glb",
     rosbag2="gcodesim.export.rosbag:RosBag",
+    **_NOT_WORDS,
 )
 
 __all__ = ["EXPORTERS"]

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 Destination = TextIO | BinaryIO | Path
 
-Option = Literal["topics", "time", "lines", "period", "units", "at", "stock", "world"]
+Option = Literal["topics", "time", "lines", "period", "units", "at", "stock", "world", "by"]
 
 RANGE: frozenset[Option] = frozenset(("topics", "time", "lines", "period"))
 """Options of an exporter that writes what happened over a time."""
@@ -28,7 +28,8 @@ class NoExportError(ValueError):
 @frozen
 class Request:
     """What of a log is asked for: `topics` (none: the usual ones) in a range of time, in `units`, or the state at a
-    moment `at_ns` (None: the end), of one `stock` where there are several, in the world or in its own frame."""
+    moment `at_ns` (None: the end), of one `stock` where there are several, in the world or in its own frame, coloured
+    `by` deviation, tool or line."""
 
     topics: tuple[str, ...] = ()
     part: TimeRange = field(default_factory=TimeRange)
@@ -36,6 +37,7 @@ class Request:
     at_ns: int | None = None
     stock: str | None = None
     world: bool = False
+    by: str | None = None
 
     def moment(self, recording: Recording) -> int:
         """The moment [ns]."""

@@ -48,7 +48,16 @@ def frame_of(recording: Recording, stock: str | None) -> str:
 def write_part(
     recording: Recording, out: BinaryIO, *, t_ns: int | None = None, stock: str | None = None, world: bool = False
 ) -> Written:
-    """Write the surface of a stock in mm, in its own frame or in the world.
+    """Write the surface of a stock in mm, in its own frame or in the world; `part_surface` says which it is."""
+    surface, exact = part_surface(recording, t_ns=t_ns, stock=stock, world=world)
+    write_stl(surface, out)
+    return Written(len(surface.faces), exact=exact)
+
+
+def part_surface(
+    recording: Recording, *, t_ns: int | None = None, stock: str | None = None, world: bool = False
+) -> tuple[Surface, bool]:
+    """The surface of a stock [m], in its own frame or in the world, and whether it is the one that was computed.
 
     `t_ns` None is the end: there the stock file beside the log gives the
     surface as it was computed. At any other moment, and without that file, the
@@ -57,8 +66,7 @@ def write_part(
     frame = frame_of(recording, stock)
     exact = _computed(recording, stock) if t_ns is None and not world else None
     if exact is not None:
-        write_stl(exact, out)
-        return Written(len(exact.faces), exact=True)
+        return exact, True
     moment = recording.end_ns if t_ns is None else t_ns
     all_drawn = [drawing for drawing in recording.stock_at(moment) if drawing.frame == frame]
     drawn = [drawing for drawing in all_drawn if not drawing.id.startswith("film/")]
@@ -68,8 +76,7 @@ def write_part(
     if world:
         X = recording.frames().at(frame, moment)
         surface = _surface(applied(X[:3, :3], surface.vertices) + X[:3, 3], surface.faces)
-    write_stl(surface, out)
-    return Written(len(surface.faces), exact=False)
+    return surface, False
 
 
 class Stl(Exporter):

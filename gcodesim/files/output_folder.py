@@ -25,6 +25,7 @@ SETUP_NAME: Final = "setup.json"
 SETUPS_NAME: Final = "setups.json"
 TABLE_OF_READINGS: Final = "_readings.csv"
 STOCK_SUFFIXES: Final = (".stl", ".stock")
+SKIN_SUFFIX: Final = ".skin.ply"
 FILM_SUFFIXES: Final = (".film.ply", ".film.csv")
 OVERWRITES: Final = "GS750"
 IN_USE: Final = "GS751"
@@ -39,6 +40,7 @@ _BEGINNINGS: Final[Mapping[str, tuple[tuple[int, bytes], ...]]] = {
     TABLE_OF_READINGS: ((0, b"reading,time_s,"),),
     ".stl": ((0, b"gcodesim binary STL"),),
     ".stock": ((0, b"gcodesim-stock/"),),
+    SKIN_SUFFIX: ((0, b"ply\nformat binary_little_endian 1.0\ncomment gcodesim skin"),),
     ".film.ply": ((0, b"ply\nformat binary_little_endian 1.0\ncomment gcodesim film"),),
     ".film.csv": ((0, b"x_mm,y_mm,z_mm,nx,ny,nz,area_mm2,film_um"),),
     ".png": ((0, SIGNATURE), (SOFTWARE_AT, SOFTWARE)),
@@ -69,16 +71,19 @@ def names_of(
     stocks: Iterable[str],
     coated: Iterable[str] = (),
     doses: Mapping[str, Iterable[str]] | None = None,
+    painted: Iterable[str] = (),
     only: str | None = None,
 ) -> list[str]:
-    """The files that a run with these stocks writes, with films on bodies `coated`, and maps of `doses` of stocks.
+    """The files that a run with these stocks writes, with films on bodies `coated`, maps of `doses` of stocks, and the
+    skins of those stocks that are `painted` because they may be compared with a target.
 
     `only`: what the run is about, if not all.
     """
     of_stocks = [f"{name}{suffix}" for name in stocks for suffix in STOCK_SUFFIXES]
     of_films = [f"{name}{suffix}" for name in coated for suffix in FILM_SUFFIXES]
     maps = (file for stock, kinds in (doses or {}).items() for kind in kinds for file in dose_names(stock, kind))
-    log, shapes = [LOG_NAME], [*of_stocks, *of_films, *maps]
+    skins = (f"{name}{SKIN_SUFFIX}" for name in painted)
+    log, shapes = [LOG_NAME], [*of_stocks, *of_films, *maps, *skins]
     return [*log * (only in (None, "motion")), RESULTS_NAME, LINES_NAME, *shapes * (only in (None, "shape"))]
 
 
@@ -86,7 +91,8 @@ def _kind_of(name: str) -> str:
     """How a name that gcodesim gives ends."""
     if name in (SETUP_NAME, SETUPS_NAME):
         return name
-    return next((suffix for suffix in (*FILM_SUFFIXES, TABLE_OF_READINGS) if name.endswith(suffix)), Path(name).suffix)
+    long = (*FILM_SUFFIXES, SKIN_SUFFIX, TABLE_OF_READINGS)
+    return next((suffix for suffix in long if name.endswith(suffix)), Path(name).suffix)
 
 
 @contextmanager

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from gcodesim.executor.tasks import Only
     from gcodesim.jobs.meetings import Appointments
     from gcodesim.jobs.target_result import TargetResult
+    from gcodesim.material.skin import PaintedSkin
     from gcodesim.planning import Plan
 
 KINEMATIC: Final = "kinematic"
@@ -99,6 +100,7 @@ class Job:
     fallen: dict[str, list[FallenPiece]] = field(default_factory=dict)  # out of which stock
     sources: dict[str, SourceText] = field(default_factory=dict)
     target: TargetResult | None = None  # the finished stock against the target
+    painting: dict[str, Callable[[], PaintedSkin]] = field(default_factory=dict)  # how the skin of that stock is made
 
     @property
     def cell(self) -> Cell | None:

@@ -13,6 +13,7 @@ from gcodesim.checks.target import loose_finding, target_findings
 from gcodesim.diagnostics import Diagnostic, Span
 from gcodesim.frames import Array, Pose
 from gcodesim.frozen import frozen
+from gcodesim.jobs.skins import slack_of
 from gcodesim.jobs.target_result import MOST_REGIONS, LooseResult, MakerLine, RegionResult, TargetResult
 from gcodesim.motion.tool_path import HOME, RAPID
 from gcodesim.solids.mesh_file import MeshError
@@ -26,9 +27,6 @@ if TYPE_CHECKING:
     from gcodesim.material.passes import Makers, Passes
     from gcodesim.motion.tool_path import ToolPath
     from gcodesim.shop import PlacedStock, Shop
-
-SLACK: Final = 0.05
-"""Cells between a face and the tool that made it: facets of tools, chords of arcs."""
 
 AS_DEEP: Final = 0.9
 """Faces with this share of the greatest depth count as the deepest: the first line that made one is to blame."""
@@ -55,6 +53,7 @@ def verify(job: Job, execution: Execution) -> tuple[TargetResult | None, list[Di
     placed, vertices = _stock_of(shop, shop.placement.target, mesh.points)
     if placed is None:
         return None, [_not_compared(span, "the target and the stock have no place in common")]
+    from gcodesim.jobs.skins import painted
     from gcodesim.material.deviation import compare
     from gcodesim.material.mesh import OpenMeshError
 
@@ -63,7 +62,11 @@ def verify(job: Job, execution: Execution) -> tuple[TargetResult | None, list[Di
     except OpenMeshError:
         name = cell.target.shape.name
         return None, [_not_compared(span, f"the mesh `{name}` is not closed, so nobody knows what is inside of it")]
-    result = _Blame(job, placed, execution.passes[placed.name]).result(cell.target, deviation)
+    passes = execution.passes[placed.name]
+    result = _Blame(job, placed, passes).result(cell.target, deviation)
+    tolerance = cell.target.tolerance
+    regions = _told(deviation)
+    job.painting[placed.name] = lambda: painted(job, placed, passes, (vertices, mesh.faces), tolerance, regions)
     program = Span(job.program.name)
     totals = {True: (result.gouges, result.gouge), False: (result.excesses, result.excess)}
     found = list(target_findings(result.regions, totals, result.tolerance, program))
@@ -73,6 +76,14 @@ def verify(job: Job, execution: Execution) -> tuple[TargetResult | None, list[Di
         hint = "what is out there is not compared; look at `zero` and `in` of both, and at the unit of the mesh"
         found.append(Diagnostic(code="GS444", span=span, message=how, hint=hint))
     return result, found
+
+
+def _told(deviation: Deviation) -> list[Misfit]:
+    """The regions that stand in the results: gouges, then excess, the greatest volumes of each."""
+    told: list[Misfit] = []
+    for side in (True, False):
+        told += [region for region in deviation.regions if region.gouge is side][: MOST_REGIONS // 2]
+    return told
 
 
 def _not_compared(span: Span, why: str) -> Diagnostic:
@@ -115,15 +126,12 @@ class _Blame:
         self._job, self._placed, self._passes = job, placed, passes
         self._paths = [self._path_of(each) for each in job.all]
         self._feeds = [(path.kind != RAPID) & (path.kind != HOME) for path in self._paths]
-        self._slack = max(5.0e-6, SLACK * placed.stock.cell)
+        self._slack = slack_of(placed.stock.cell)
         self._X_MS = job.shop.placement.X_WM.inverse() @ placed.X_WS
 
     def result(self, target: Target, deviation: Deviation) -> TargetResult:
         assert target.shape is not None
         sums = {side: [r.volume for r in deviation.regions if r.gouge is side] for side in (True, False)}
-        told: list[Misfit] = []
-        for side in (True, False):
-            told += [region for region in deviation.regions if region.gouge is side][: MOST_REGIONS // 2]
         return TargetResult(
             stock=self._placed.name,
             mesh=target.shape.name,
@@ -136,7 +144,7 @@ class _Blame:
             excess=float(sum(sums[False])),
             gouges=len(sums[True]),
             excesses=len(sums[False]),
-            regions=[self._region(region) for region in told],
+            regions=[self._region(region) for region in _told(deviation)],
             loose=[self._loose(part.volume, part.at) for part in deviation.loose[:MOST_REGIONS]],
         )
 

@@ -2,21 +2,29 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
-from gcodesim.files.output_folder import FILM_SUFFIXES, LINES_NAME, RESULTS_NAME
+from gcodesim.files.output_folder import FILM_SUFFIXES, LINES_NAME, RESULTS_NAME, SKIN_SUFFIX
 from gcodesim.files.whole_file import whole_file, write_whole
 from gcodesim.jobs.results import Results
+from gcodesim.material.skin import PaintedSkin
 from gcodesim.shop import Shop
 
+Painting = Mapping[str, Callable[[], PaintedSkin]]
 
-def write_files(out: Path, shop: Shop, results: Results, *, shapes: bool = True) -> None:
-    """Write the results of a run in `shop` into the folder `out`, with `shapes` those of stocks and films, too."""
+
+def write_files(out: Path, shop: Shop, results: Results, painting: Painting, *, shapes: bool = True) -> None:
+    """Write the results of a run in `shop` into the folder `out`, with `shapes` those of stocks and films, too.
+
+    `painting` makes the painted skins of stocks by their names.
+    """
     write_whole(out / RESULTS_NAME, results.text().encode())
     write_whole(out / LINES_NAME, results.lines_csv().encode())
     if shapes:
         _write_stocks(out, shop)
         _write_films(out, shop)
+        _write_skins(out, painting)
 
 
 def _write_stocks(out: Path, shop: Shop) -> None:
@@ -48,3 +56,11 @@ def _write_films(out: Path, shop: Shop) -> None:
             write_mesh(film, file, top=top, bare=spec.bare, in_part=coated.in_part)
         with whole_file(table) as file:
             write_table(film, file, in_part=coated.in_part)
+
+
+def _write_skins(out: Path, painting: Painting) -> None:
+    for name, paint in painting.items():
+        from gcodesim.material.skin_file import write_skin
+
+        with whole_file(out / f"{name}{SKIN_SUFFIX}") as file:
+            write_skin(paint(), file)

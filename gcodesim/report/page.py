@@ -28,7 +28,7 @@ from gcodesim.report.times import end_of, slowest, time_report
 from gcodesim.units import MM, MM_PER_MINUTE, RPM
 
 CHARTS: Final = ("force", "power", "feed", "error", "removal", "joints", "speed", "effort")
-SCRIPTS: Final = ("data.js", "scene.js", "looking.js", "charts.js", "panels.js", "bar.js", "main.js")
+SCRIPTS: Final = ("data.js", "scene.js", "looking.js", "painting.js", "charts.js", "panels.js", "bar.js", "main.js")
 _SLOTS: Final = 3000  # time slots for which a chart shows least and greatest values, shared by its curves
 _LEAST_SLOTS: Final = 600
 _SLOWEST: Final = 40
@@ -154,7 +154,7 @@ def run_data(recording: Recording, name: str, pack: Pack) -> dict[str, Any]:
         "times": _times(recording),
         "results": {
             key: results.get(key)
-            for key in ("time", "distance", "stocks", "tools", "joints", "not_simulated", "inputs")
+            for key in ("time", "distance", "stocks", "tools", "joints", "not_simulated", "inputs", "target")
         },
     }
     # only now, after everything was read, is it known what cannot be read

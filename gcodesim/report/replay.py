@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import Any, Final
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.arithmetic.matrices import dots, inverse_pose, multiplied
+from gcodesim.files.output_folder import SKIN_SUFFIX
 from gcodesim.frames import quaternion_from_rotation
 from gcodesim.log import DrawnMesh, DrawnShape
 from gcodesim.playback import Drawing, RecordedFrames, Recording
@@ -17,7 +19,10 @@ from gcodesim.playback.quantities import NEGLIGIBLE
 from gcodesim.report.motion import key_moments
 from gcodesim.report.pack import Pack
 from gcodesim.solids import Box, Cone, Cylinder, Sphere
-from gcodesim.units import DEG, MM_PER_MINUTE, UM
+from gcodesim.units import DEG, MM, MM_PER_MINUTE, UM
+
+if TYPE_CHECKING:
+    from gcodesim.material.skin import PaintedSkin
 
 Array = NDArray[np.float64]
 
@@ -79,6 +84,7 @@ def replay_of(recording: Recording, pack: Pack) -> dict[str, Any]:
         "tip": pack.numbers(np.broadcast_to(X_WT[:, :3, 3], (len(t_ns), 3))[kept]),
         "work": pack.integers(np.rint(_work(recording, t_ns[kept], every_ns) / UM).astype(np.int64)),
         "stock": _stock(recording, pack),
+        "skins": [_skin(name, frame, skin, pack) for name, frame, skin in _skins(recording)],
     }
 
 
@@ -234,13 +240,51 @@ def _stock(recording: Recording, pack: Pack) -> dict[str, Any]:
 def _tile(mesh: DrawnMesh, pack: Pack) -> dict[str, Any]:
     used = np.zeros(len(mesh.points), dtype=bool)
     used[mesh.triangles] = True
-    points, triangles = mesh.points[used], (np.cumsum(used) - 1)[mesh.triangles]
+    points, triangles, _ = _in_order(mesh.points[used], (np.cumsum(used) - 1)[mesh.triangles])
+    return {"color": list(mesh.color), "points": pack.numbers(points), "triangles": pack.integers(triangles)}
+
+
+def _in_order(points: Array, triangles: NDArray[np.int64]) -> tuple[Array, NDArray[np.int64], NDArray[np.intp]]:
+    """Points, triangles (t, 3), and which of the given ones each is, in an order that packs well."""
     # triangles in the order of their points, each beginning at its first, so that differences are small
     turn = triangles.argmin(axis=1)
     triangles = triangles[np.arange(len(triangles))[:, None], (turn[:, None] + np.arange(3)) % 3]
     n = len(points)  # three numbers below n as one, which sorts like the three
-    triangles = triangles[np.argsort((triangles[:, 0] * n + triangles[:, 1]) * n + triangles[:, 2], kind="stable")]
-    return {"color": list(mesh.color), "points": pack.numbers(points), "triangles": pack.integers(triangles)}
+    order = np.argsort((triangles[:, 0] * n + triangles[:, 1]) * n + triangles[:, 2], kind="stable")
+    return points, triangles[order], order
+
+
+def _skins(recording: Recording) -> Iterator[tuple[str, str, PaintedSkin]]:
+    """Painted skins beside the log, each with the name of its stock and the frame in which it stands."""
+    from gcodesim.material.skin_file import SkinFileError, read_skin
+
+    if recording.folder is None:
+        return
+    for k, name in enumerate(recording.results.get("stocks", {})):
+        file = recording.folder / f"{Path(name).name}{SKIN_SUFFIX}"
+        try:
+            yield name, "stock" if k == 0 else f"stock/{name}", read_skin(file.read_bytes(), file.name)
+        except (OSError, SkinFileError):  # the page is about the log; what stands beside it may be missing
+            continue
+
+
+def _skin(name: str, frame: str, skin: PaintedSkin, pack: Pack) -> dict[str, Any]:
+    points, triangles, order = _in_order(skin.vertices, skin.faces.astype(np.int64))
+    # steps as fine as a viewer can tell apart: a twentieth of the tolerance, within some tolerances
+    step = skin.tolerance / 20.0
+    most = 32_000
+    return {
+        "name": name,
+        "frame": frame,
+        "points": pack.numbers(points),
+        "triangles": pack.integers(triangles),
+        "deviation": pack.integers(np.clip(np.rint(skin.deviation[order] / step), -most, most).astype(np.int64)),
+        "step_mm": step / MM,
+        "tolerance_mm": skin.tolerance / MM,
+        "maker": pack.integers(skin.maker[order].astype(np.int64)),
+        "makers": [[maker.file, maker.line, maker.tool] for maker in skin.makers],
+        "spots": skin.spots.tolist(),
+    }
 
 
 def chosen_states(

@@ -31,6 +31,8 @@ _HELP = """formats:
   csv      a table: one row an instant, the program line beside the numbers; names end in units
   jsonl    every message as logged, one JSON object a line
   stl      the part at a moment, in mm, in its own frame
+  ply      the part in colours: how far from its target, by tool or by line (--by); at a moment without colours
+  3mf      the same as 3MF, for programs that print and show parts
   glb      the whole cell at a moment: robot or machine, tool, stock, path; in m
   rosbag2  a folder that ROS 2 tools read: /tf, /joint_states, /wrench, /robot_description …
 `gcodesim list exporters` names those of other packages too.
@@ -45,7 +47,7 @@ examples:
 def add_parser(commands: Any) -> None:
     parser = commands.add_parser(
         "export",
-        help="a log as CSV, JSON lines, STL, GLB or ROS 2 bag",
+        help="a log as CSV, JSON lines, STL, PLY, 3MF, GLB or ROS 2 bag",
         description="Write what a log holds in a format of other programs.",
         epilog=_HELP,
         formatter_class=argparse.RawDescriptionHelpFormatter,
@@ -85,10 +87,17 @@ def add_parser(commands: Any) -> None:
     parser.add_argument(
         "--units", choices=("si", "mm"), default="si", help="csv: m, rad, s (default) or mm, deg, mm/min"
     )
-    parser.add_argument("--at", type=nanoseconds, metavar="T", help="stl, glb: the moment; without it the end")
-    parser.add_argument("--stock", metavar="NAME", help="stl: which stock, when there are several")
     parser.add_argument(
-        "--world", action="store_true", help="stl: where the part stands in the world, not its own frame"
+        "--at", type=nanoseconds, metavar="T", help="stl, ply, 3mf, glb: the moment; without it the end"
+    )
+    parser.add_argument(
+        "--by",
+        choices=("deviation", "tool", "line"),
+        help="ply, 3mf: what the colours of the finished part mean; a run with a target has them (default: deviation)",
+    )
+    parser.add_argument("--stock", metavar="NAME", help="stl, ply, 3mf: which stock, when there are several")
+    parser.add_argument(
+        "--world", action="store_true", help="stl, ply, 3mf: where the part stands in the world, not its own frame"
     )
     parser.set_defaults(run=reads_logs(run))
 
@@ -115,6 +124,7 @@ def run(arguments: argparse.Namespace) -> int:
         at_ns=arguments.at,
         stock=arguments.stock,
         world=arguments.world,
+        by=arguments.by,
     )
     try:
         _WRITERS[exporter.writes](arguments, recording, exporter, request)
@@ -146,6 +156,7 @@ def _refuse_useless(arguments: argparse.Namespace, exporter: Exporter) -> None:
         "lines": arguments.lines is not None,
         "stock": arguments.stock is not None,
         "world": arguments.world,
+        "by": arguments.by is not None,
         "units": arguments.units != "si",
     }
     for option, wanted in given.items():

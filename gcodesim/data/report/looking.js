@@ -15,6 +15,8 @@ G.coloursOf = (run, times, kind) => {
   for (const colour of run.replay.colours) found.set(colour.name, { ...colour, values: G.column(colour.values) });
   const tools = Float32Array.from(times, (t) => { const { modal } = G.blockAt(run, t - 1e-6); return modal ? modal.tool : 0; });
   if (new Set(tools).size > 1) found.set("tool", { name: "tool", unit: "", values: tools });
+  const lines = Float32Array.from(times, (t) => G.blockAt(run, t - 1e-6).line || 0);
+  if (new Set(lines).size > 1) found.set("line", { name: "line", unit: "", values: lines });
   for (const colour of found.values()) {
     // rapids, and moves without work for what work does, do not set the scale
     const counts = (i) => colour.name === "feed" ? kind[i] !== 0 : colour.name === "force" ? kind[i] === 2 : true;
@@ -38,6 +40,7 @@ Object.assign(G.View.prototype, {
     const slider = cut.appendChild(G.make("input"));
     Object.assign(slider, { type: "range", min: 0, max: 1000, value: 500, disabled: true });
     axis.onchange = slider.oninput = () => { slider.disabled = axis.value === "none"; this.section(axis.value, slider.value / 1000); };
+    this.buildPainting(bar, label);
     const measure = bar.appendChild(G.make("button", "", "measure"));
     measure.title = "click two points of the part or the path";
     measure.onclick = () => { this.measuring = measure.classList.toggle("on") ? [] : null; this.showMeasure(); };
@@ -123,12 +126,12 @@ Object.assign(G.View.prototype, {
     this.scene.updateMatrixWorld(true);
     const ray = new THREE.Raycaster();
     ray.setFromCamera(new THREE.Vector2((2 * x) / width - 1, 1 - (2 * y) / height), this.camera);
-    const meshes = this.tiles.flatMap((tile) => tile.meshes).filter((mesh) => mesh.visible);
+    const meshes = (this.painted ? this.paintedMeshes : this.tiles.flatMap((tile) => tile.meshes)).filter((mesh) => mesh.visible);
     const seen = (hit) => (this.clip || []).every((plane) => plane.distanceToPoint(hit.point) >= 0);
     const hit = ray.intersectObjects(meshes).find(seen), depth = hit ? hit.distance : Infinity;
-    const found = this.shown.path ? this.pathUnder(x, y, depth + 0.02 * this.partSize()) : null;
+    const found = this.shown.path && !(this.painted && hit) ? this.pathUnder(x, y, depth + 0.02 * this.partSize()) : null;
     if (found) return found;
-    return hit ? { point: frame.worldToLocal(hit.point.clone()), t: null } : null;
+    return hit ? { point: frame.worldToLocal(hit.point.clone()), t: null, face: this.painted ? this.faceOf(hit) : null } : null;
   },
 
   // The nearest moment of the path within some pixels, no farther away than `depth`.
@@ -175,6 +178,10 @@ Object.assign(G.View.prototype, {
       if (this.measuring.length > 1) this.measuring.length = 0;
       this.measuring.push(found.point);
       this.showMeasure();
+      return;
+    }
+    if (found.face) {
+      this.tellFace(found.face);
       return;
     }
     const t = found.t ?? this.workedAt(found.point);

@@ -1,5 +1,5 @@
 "use strict";
-// Puts the page together. `#t=12.5` in the address opens it at a moment, `&view=cell` from a side.
+// Puts the page together. `#t=12.5` in the address opens it at a moment, `&view=cell` from a side, `&part=line` with the part in colours.
 (async () => {
   await G.load();
   const place = (id) => document.getElementById(id);
@@ -17,6 +17,7 @@
   const wishes = new URLSearchParams(location.hash.slice(1));
   G.seek(+(wishes.get("t") || 0));
   if (wishes.has("t") || wishes.has("view")) G.views[0].look(wishes.get("view") || "start");
+  if (wishes.has("part")) for (const view of G.views) view.paintPart(wishes.get("part"));
   const frame = (at) => {
     G.tick(at);
     for (const view of G.views) view.render();

@@ -229,6 +229,7 @@ G.differences = (place, { summary, differences }) => {
 G.tables = (place) => {
   if (G.setups) G.setupTable(place);
   if (G.comparison) G.differences(place, G.comparison);
+  for (const run of G.runs) G.targetTable(place, run);
   G.findings(place);
   if (G.runs.length > 1) G.compared(place);
   for (const run of G.runs) {

@@ -103,6 +103,7 @@ G.View = class {
     this.showPath(t, i, share);
     this.showForce(i, share);
     this.showState(t, i, share);
+    this.showPainted(t);
     if (this.follow) {
       const tip = this.blend(this.tip, i, share, new THREE.Vector3());
       const shift = tip.sub(this.target);
@@ -202,7 +203,7 @@ G.View = class {
       }
       const mesh = new THREE.Mesh(this.meshOf(part), material);
       mesh.castShadow = mesh.receiveShadow = true;
-      mesh.visible = this.shown.stock;
+      mesh.visible = this.shown.stock && !this.painted;
       this.frame(part.frame).add(mesh);
       return mesh;
     });
@@ -428,7 +429,7 @@ G.View = class {
       button.onclick = () => {
         this.shown[name] = button.classList.toggle("on");
         if (name === "cell") for (const body of this.bodies) body.visible = this.shown.cell;
-        if (name === "stock") for (const tile of this.tiles) for (const mesh of tile.meshes) mesh.visible = this.shown.stock;
+        if (name === "stock") this.showStock();
         this.show(G.time);
       };
     }
