@@ -11,7 +11,7 @@ import math
 import re
 import zipfile
 from collections.abc import Iterator, Mapping
-from dataclasses import field
+from dataclasses import field, replace
 from io import BytesIO
 from pathlib import Path, PurePosixPath
 from typing import Any, Final
@@ -181,6 +181,14 @@ def _made(keys: _Keys, number: int, name: str) -> ReadTool:
 
 # --- LinuxCNC
 
+# kinds of which a line with a diameter and a length does not say enough
+_SHAPED: Final = re.compile(
+    r"form[ -]?(?:tool|cutter|mill)|profile|ogee|mou?lding|\bcove\b|round ?over|dovetail|t-?slot|key ?(?:seat|cutter)|"
+    r"thread ?mill|lollipop|corner round|drag ?knife",
+    re.IGNORECASE,
+)
+_PROBE: Final = re.compile(r"\bprobe\b|\btaster\b", re.IGNORECASE)
+
 
 def _linuxcnc(path: Path, data: bytes, inch: bool) -> ToolFile:
     table, findings = ToolTable.read(SourceText(str(path), data), inch=inch)
@@ -190,7 +198,14 @@ def _linuxcnc(path: Path, data: bytes, inch: bool) -> ToolFile:
         if refusal := _flag(number, entry.comment):
             tools.append(refusal)
             continue
+        if shaped := _SHAPED.search(entry.comment):
+            what = shaped[0].lower()
+            why = f"refused: a table has no sizes of a {what}; write it as a `profile_mill`, or by its type"
+            tools.append(ReadTool(number=number, name=entry.comment, notes=(why,)))
+            continue
         told = tool_in_words(number, entry.comment, inch)
+        if _PROBE.search(entry.comment):
+            told = replace(told, type="probe")
         keys = _Keys(told.type, entry.comment, unit)
         keys.length("diameter", entry.diameter / si if entry.diameter > 0.0 else told.diameter)
         keys.length("corner_radius", told.corner_radius)

@@ -5,9 +5,11 @@ from __future__ import annotations
 import argparse
 import sys
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 from gcodesim.cli.exits import FINDINGS, OK, UsageError
+
+_REFUSED: Final = "refused: "
 
 
 def add_parser(commands: Any) -> None:
@@ -20,6 +22,9 @@ def add_parser(commands: Any) -> None:
     )
     parser.add_argument("what", metavar="WHAT", choices=("tools",), help="what to import: tools")
     parser.add_argument("file", type=Path, metavar="FILE", help="the file to read")
+    parser.add_argument(
+        "-o", "--out", type=Path, metavar="FILE", help="write the keys into FILE; without it they are printed"
+    )
     parser.add_argument("--inch", action="store_true", help="lengths of a tool.tbl are inches")
     parser.set_defaults(run=run)
 
@@ -33,23 +38,39 @@ def run(arguments: argparse.Namespace) -> int:
         raise UsageError(f"{arguments.file} cannot be read: {error.strerror}") from None
     except ToolFileError as error:
         raise UsageError(str(error)) from None
-    print(f"# from {arguments.file.name}, a {found.what}")
-    print(found.stock, end="")
-    print("tools:")
-    taken: set[int] = set()
-    refused = 0
+    lines = [f"# from {arguments.file.name}, a {found.what}", *found.stock.splitlines(), "tools:"]
+    taken: dict[int, bool] = {}  # by number: whether it is approximated
+    refused: list[str] = []
     for tool in found.tools:
+        called = f"T{tool.number} ({tool.name})" if tool.name else f"T{tool.number}"
         notes = list(tool.notes)
         twice = tool.number in taken and not tool.refused
         if twice:
             notes.append("refused: its number stands a second time")
         if tool.refused or twice:
-            refused += 1
+            why = next((note for note in notes if note.startswith(_REFUSED)), "")
+            refused.append(f"{called}: {why.removeprefix(_REFUSED)}")
         elif tool.keys:
-            taken.add(tool.number)
-            print(f"  {tool.number}: {{{', '.join(f'{key}: {value}' for key, value in tool.keys.items())}}}")
+            taken[tool.number] = any(note.startswith("approximated") for note in notes)
+            lines.append(f"  {tool.number}: {{{', '.join(f'{key}: {value}' for key, value in tool.keys.items())}}}")
         for note in notes:
-            called = f"T{tool.number} ({tool.name})" if tool.name else f"T{tool.number}"
             print(f"{called}: {note}", file=sys.stderr)
-    print(f"{len(taken)} tools read, {refused} refused", file=sys.stderr)
+    _write("".join(f"{line}\n" for line in lines), arguments.out)
+    near = sum(taken.values())
+    names = f": {'; '.join(refused)}" if refused else ""
+    counted = f"read {len(taken) - near}, approximated {near}, refused {len(refused)}{names}"
+    print(counted, file=sys.stderr if arguments.out is None else sys.stdout)
     return FINDINGS if refused else OK
+
+
+def _write(text: str, path: Path | None) -> None:
+    """Print the keys, or write them into a file."""
+    if path is None:
+        print(text, end="")
+        return
+    from gcodesim.files.whole_file import write_whole
+
+    try:
+        write_whole(path, text.encode())
+    except OSError as error:
+        raise UsageError(f"{path} cannot be written: {error.strerror}") from None

@@ -95,7 +95,10 @@ def test_colours_tell_sides_tools_and_lines_apart(skin):
     assert len(np.unique(by["tool"], axis=0)) == len(np.unique(by["line"], axis=0)) == 3
 
 
-@pytest.mark.parametrize("harm", [lambda raw: raw[:-1], lambda raw: raw.replace(b"makers", b"nakers"), lambda raw: b"ply\n"])
+HARMS = [lambda raw: raw[:-1], lambda raw: raw.replace(b"makers", b"nakers"), lambda raw: b"ply\n"]
+
+
+@pytest.mark.parametrize("harm", HARMS)
 def test_a_damaged_file_is_refused(skin, harm):
     with pytest.raises(SkinFileError):
         read_skin(harm(written(skin)), "skin")

@@ -30,7 +30,9 @@ PROBE = r"""<script>
     pen.drawImage(view.renderer.domElement, 0, 0);
     const { data } = pen.getImageData(0, 0, copy.width, copy.height);
     let found = 0;
-    for (let i = 0; i < data.length; i += 4) if (data[i + 3] > 200 && wanted(data[i], data[i + 1], data[i + 2])) found++;
+    for (let i = 0; i < data.length; i += 4) {
+      if (data[i + 3] > 200 && wanted(data[i], data[i + 1], data[i + 2])) found++;
+    }
     return found;
   };
   const red = (r, g, b) => r > 120 && r > 2 * g && r > 2 * b, pink = (r, g, b) => r > 150 && g < 80 && b > 90;
@@ -58,9 +60,11 @@ PROBE = r"""<script>
   view.look("top");
   view.render();
   const mesh = view.paintedMeshes[0], { skin, deviation, maker } = mesh.userData;
-  const f = [...maker.keys()].find((k) => maker[k] >= 0 && skin.makers[maker[k]][1] === 21 && Math.abs(deviation[k]) < 2);
+  const of21 = (k) => maker[k] >= 0 && skin.makers[maker[k]][1] === 21 && Math.abs(deviation[k]) < 2;
+  const f = [...maker.keys()].find(of21);
   const corners = mesh.geometry.attributes.position.array, spot = new THREE.Vector3();
-  const middle = new THREE.Vector3(...[0, 1, 2].map((k) => (corners[9 * f + k] + corners[9 * f + 3 + k] + corners[9 * f + 6 + k]) / 3));
+  const mean = (k) => (corners[9 * f + k] + corners[9 * f + 3 + k] + corners[9 * f + 6 + k]) / 3;
+  const middle = new THREE.Vector3(mean(0), mean(1), mean(2));
   mesh.updateWorldMatrix(true, false);
   spot.copy(mesh.localToWorld(middle)).project(view.camera);
   G.seek(0);

@@ -163,4 +163,25 @@ def test_the_command_prints_keys_and_tells_what_is_refused(tmp_path, capsys):
     out, told = capsys.readouterr()
     assert "  6: {type: drill, " in out
     assert "T4 (ogee): refused: gcodesim knows no `form mill`" in told
-    assert "3 tools read, 1 refused" in told
+    assert "read 2, approximated 1, refused 1: T4 (ogee): gcodesim knows no `form mill`" in told
+
+
+def test_the_command_writes_the_same_file_again(tmp_path, capsys):
+    """Scenario 10: an import into a file, twice, with lengths in inches, and a table of LinuxCNC with odd tools."""
+    library, table = tmp_path / "library.json", tmp_path / "tool.tbl"
+    library.write_text(json.dumps(LIBRARY))
+    table.write_text(
+        "T1 P1 Z+50.5 D6 ;6 mm end mill\nT2 P2 Z+40 D10 ;90 deg chamfer mill\n"
+        "T3 P3 Z+60 D3 ;touch probe\nT4 P4 Z+60 D12 ;form tool ogee\n"
+    )
+    for name in ("one.yaml", "two.yaml"):
+        assert main(["import", "tools", str(library), "--out", str(tmp_path / name)]) == 1
+    assert (tmp_path / "one.yaml").read_bytes() == (tmp_path / "two.yaml").read_bytes()
+    assert "tools:\n" in (tmp_path / "one.yaml").read_text()
+    out = capsys.readouterr().out
+    assert "read 2, approximated 1, refused 1" in out and "tools:" not in out
+
+    assert main(["import", "tools", str(table)]) == 1
+    out, told = capsys.readouterr()
+    assert "  3: {type: probe, " in out and "  4:" not in out
+    assert "read 0, approximated 3, refused 1: T4 (form tool ogee): a table has no sizes of a form tool" in told
