@@ -38,7 +38,8 @@ def key_of(program: SourceText, loaded: LoadedCell, options: Options, said: str,
     """
     today = options.today or date.today()
     ended = [] if loaded.cell is None else [one.until is not None and today > one.until for one in loaded.cell.suppress]
-    parts = [code, said, repr((options.world, options.fail_on, options.only)), program.name, program.sha256, repr(ended)]
+    asked = repr((options.world, options.fail_on, options.only))
+    parts = [code, said, asked, program.name, program.sha256, repr(ended)]
     parts += [f"{file.name} {file.sha256}" for file in loaded.files]
     return hashlib.sha256("\0".join(parts).encode()).hexdigest()
 
