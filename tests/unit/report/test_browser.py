@@ -47,6 +47,27 @@ PROBE = r"""<script>
   seen.ready = document.body.dataset.ready;
   seen.start = G.time;
   seen.views = G.views.length;
+  // how far from the middle of the view, as a share of half its size, the corners of what is there at first lie
+  seen.opening = (() => {
+    const view = G.views[0], camera = view.camera;
+    camera.updateMatrixWorld(true);
+    view.scene.updateMatrixWorld(true);
+    const corners = (box) => {
+      let most = 0;
+      for (let i = 0; i < 8; i++) {
+        const at = box.min.clone();
+        if (i & 1) at.x = box.max.x;
+        if (i & 2) at.y = box.max.y;
+        if (i & 4) at.z = box.max.z;
+        at.project(camera);
+        most = Math.max(most, Math.abs(at.x), Math.abs(at.y));
+      }
+      return most;
+    };
+    const { cell, part } = view.extents();
+    const bodies = view.holders().map((body) => corners(cell.clone().makeEmpty().setFromObject(body)));
+    return { part: corners(part), bodies, tools: view.tools.filter(({ group }) => group.visible).length };
+  })();
   for (const view of G.views) view.look("top");
   for (const part of ["path", "cell", "force"]) G.views[0].shown[part] = false;
   for (const body of G.views[0].bodies) body.visible = false;
@@ -162,6 +183,14 @@ def seen(slot_folder, tmp_path_factory):
 def test_the_page_comes_up_without_an_error(seen):
     assert seen["ready"] == "1" and seen["errors"] == [] and seen["start"] == 0
     assert seen["views"] == 2 and seen["charts"] >= 5 and seen["tables"] >= 5
+
+
+def test_it_opens_with_part_tool_and_machine_in_view(seen):
+    opening = seen["opening"]
+
+    assert 0.05 < opening["part"] < 1.0  # neither lost nor cut off
+    assert len(opening["bodies"]) >= 2 and opening["tools"] >= 1  # the tool, and the body that is nearest to its tip
+    assert max(opening["bodies"]) < 1.0
 
 
 def test_the_part_is_drawn_and_loses_material_in_time(seen):
