@@ -1,7 +1,28 @@
-"""`python -m gcodesim` is `gcodesim`."""
+"""`gcodesim` and `python -m gcodesim`."""
 
+import os
+import signal
 import sys
+from types import FrameType
 
-from gcodesim.cli import main
 
-sys.exit(main())
+def main() -> int:
+    """Run the command line; returns its status. A Ctrl-C ends it in order also while its modules are being loaded."""
+    at_rest = signal.getsignal(signal.SIGINT) is signal.default_int_handler  # not in the background, where it is ignored
+    if at_rest:
+        signal.signal(signal.SIGINT, _leave)
+    from gcodesim.cli import main as run
+
+    if at_rest:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+    return run()
+
+
+def _leave(number: int, frame: FrameType | None) -> None:
+    """End at once: nothing is open yet, and an exception might come where the interpreter passes over it."""
+    os.write(2, b"gcodesim: interrupted\n")
+    os._exit(130)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import signal
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -130,3 +132,30 @@ def test_sigterm_ends_other_commands_without_a_trace(cli, monkeypatch: pytest.Mo
     monkeypatch.setattr("gcodesim.cli.simulate.check", lambda *_: signal.raise_signal(signal.SIGTERM))
     done = cli("check", "slot.nc", "--cell", "cell.yaml")
     assert (done.status, done.out, done.err) == (143, "", "gcodesim: interrupted\n")
+
+
+_WHILE_LOADING = """
+import os, runpy, signal, sys
+
+class Finder:
+    def find_spec(self, name, path=None, target=None):
+        if name == "gcodesim.cli.parser":
+            os.kill(os.getpid(), signal.SIGINT)
+
+sys.meta_path.insert(0, Finder())
+sys.argv = ["gcodesim", "explain", "GS203"]
+runpy.run_module("gcodesim", run_name="__main__")
+"""
+
+
+@pytest.mark.parametrize(("ignored", "status"), [(False, 130), (True, 0)], ids=["in front", "in the background"])
+def test_a_ctrl_c_while_modules_are_loaded_is_no_traceback(ignored: bool, status: int) -> None:
+    begin = "import signal; signal.signal(signal.SIGINT, signal.SIG_IGN)\n" if ignored else ""
+    done = subprocess.run([sys.executable, "-c", begin + _WHILE_LOADING], capture_output=True, text=True)
+    assert (done.returncode, done.stderr) == (status, "" if ignored else "gcodesim: interrupted\n")
+    assert bool(done.stdout) is ignored
+
+
+def test_the_command_begins_where_that_is_taken_care_of() -> None:
+    text = (Path(gcodesim.__file__).parents[1] / "pyproject.toml").read_text()
+    assert 'gcodesim = "gcodesim.__main__:main"' in text
