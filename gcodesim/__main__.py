@@ -8,12 +8,12 @@ from types import FrameType
 
 def main() -> int:
     """Run the command line; returns its status. A Ctrl-C ends it in order also while its modules are being loaded."""
-    at_rest = signal.getsignal(signal.SIGINT) is signal.default_int_handler  # not in the background, where it is ignored
-    if at_rest:
+    heard = signal.getsignal(signal.SIGINT) is signal.default_int_handler  # in the background it is ignored
+    if heard:
         signal.signal(signal.SIGINT, _leave)
     from gcodesim.cli import main as run
 
-    if at_rest:
+    if heard:
         signal.signal(signal.SIGINT, signal.default_int_handler)
     return run()
 
