@@ -23,7 +23,7 @@ def transcript_of(command: str, folder: Path) -> str:
     Everything from the verdict on is left out, since it does not belong to the finding.
     """
     for path in FOLDER.iterdir():
-        if path.suffix != ".txt":
+        if path.is_file() and path.suffix != ".txt":
             shutil.copy(path, folder / path.name)
     before, out = Path.cwd(), io.StringIO()
     os.chdir(folder)
