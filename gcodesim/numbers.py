@@ -34,8 +34,14 @@ def rounded(value: float, digits: int = 9) -> float:
 
 
 def read_json(text: str | bytes) -> Any:
-    """The JSON value of a text, without NaN and infinities, which Python would accept. ValueError if it is not JSON."""
-    return json.loads(text, parse_constant=_refuse)
+    """The JSON value of a text, without NaN and infinities, which Python would accept.
+
+    ValueError if it is not JSON, or nested deeper than Python reads.
+    """
+    try:
+        return json.loads(text, parse_constant=_refuse)
+    except RecursionError:
+        raise ValueError("nested too deeply") from None
 
 
 def _refuse(name: str) -> NoReturn:

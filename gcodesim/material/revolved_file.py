@@ -11,6 +11,7 @@ import numpy as np
 
 from gcodesim.files.whole_file import write_whole
 from gcodesim.material.revolved import Profile, Revolved
+from gcodesim.numbers import read_json
 
 MAGIC: Final = b"gcodesim-revolved/1\n"
 _MOST_DISCS: Final = 10_000_000
@@ -37,7 +38,7 @@ def save_revolved(stock: Revolved, path: Path) -> None:
 def revolved_from_bytes(raw: bytes) -> Revolved:
     """The stock in the bytes of such a file; ValueError or KeyError if they are damaged."""
     text, _, packed = raw[len(MAGIC) :].partition(b"\n")
-    head = json.loads(text)
+    head = read_json(text)
     count = int(head["discs"])
     if not 0 < count <= _MOST_DISCS:
         raise ValueError(f"{count} discs are none that gcodesim writes")

@@ -20,6 +20,7 @@ from gcodesim.files.whole_file import write_whole
 from gcodesim.material.field_kernels import Columns, Grid
 from gcodesim.material.lattice import Lattice, field_of, own_columns
 from gcodesim.material.stock import WALL_PLANES, Stock
+from gcodesim.numbers import read_json
 
 SUFFIX = ".stock"
 _MAGIC = b"gcodesim-stock/2\n"
@@ -117,7 +118,7 @@ def stock_from_bytes(raw: bytes, name: str) -> Stock:
         raise StockFileError(f"{name} is not a stock that gcodesim wrote")
     try:
         text, _, packed = raw[len(_MAGIC) :].partition(b"\n")
-        head = json.loads(text)
+        head = read_json(text)
         nx, ny = (int(v) for v in head["columns"])
         unpacking = _Unpacking(packed)
         columns = unpacking.columns(nx, ny)

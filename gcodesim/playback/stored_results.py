@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from typing import Any, Final
 
 from gcodesim.files.output_folder import RESULTS_NAME
 from gcodesim.log.event import LogEvent
 from gcodesim.log.logfile import LogFile
+from gcodesim.numbers import read_json
 
 _NUMBER: Final = (int, float)
 _TEXT: Final = (str,)
@@ -39,7 +39,7 @@ class NoResultsError(ValueError):
 def results_from(data: bytes) -> dict[str, Any]:
     """The results in the bytes of a `results.json`; NoResultsError if a part is missing or of the wrong kind."""
     try:
-        value = json.loads(data)
+        value = read_json(data)
     except ValueError as error:
         raise NoResultsError(f"it is no JSON: {error}") from None
     if not isinstance(value, dict):

@@ -87,3 +87,10 @@ def test_a_layout_of_any_kind_comes_out_of_the_log(cli, log, tmp_path):
 def test_what_is_no_log_is_wrong_usage(cli, name):
     said = cli("info", name)
     assert said.status == 2 and said.out == "" and name in said.err
+
+
+def test_results_that_are_nested_too_deeply_are_refused(cli, tmp_path) -> None:
+    (tmp_path / "results.json").write_text("[" * 100_000 + "]" * 100_000)
+    (tmp_path / "run.mcap").write_bytes(b"")
+    done = cli("diff", tmp_path / "results.json", tmp_path / "results.json")
+    assert done.status == 2 and "Traceback" not in done.err

@@ -157,12 +157,13 @@ def _run_cases(arguments: argparse.Namespace) -> int:
 
     from gcodesim.calculator.answers import answer_cases
     from gcodesim.files.whole_file import write_whole
+    from gcodesim.numbers import read_json
 
     if arguments.model is not None or arguments.chart is not None:
         raise UsageError("--cases stands alone: each case names its model")
     source = read_source(arguments.cases, "the cases")
     try:
-        cases = json.loads(source.text)
+        cases = read_json(source.text)
     except ValueError as error:
         raise UsageError(f"{arguments.cases} is no JSON: {error}") from None
     cases = cases.get("cases") if isinstance(cases, dict) else cases
