@@ -84,7 +84,11 @@ def test_the_json_is_as_its_schema_says(cli) -> None:
         jsonschema.validate({"schema": "gcodesim-process/1"}, schema)
 
 
-@pytest.mark.parametrize("text", ["[" * 100_000 + "]" * 100_000, '[{"model": "endmill", "diameter_mm": NaN}]', "", "[1]"])
+@pytest.mark.parametrize(
+    "text",
+    ["[" * 100_000 + "]" * 100_000, '[{"model": "endmill", "diameter_mm": NaN}]', "", "[1]"],
+    ids=["deep", "NaN", "empty", "no case"],
+)
 def test_cases_that_cannot_be_read_are_refused(cli, tmp_path, text) -> None:
     (tmp_path / "cases.json").write_text(text)
     done = cli("process", "--cases", tmp_path / "cases.json")
