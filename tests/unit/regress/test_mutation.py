@@ -51,9 +51,10 @@ ALLOWED = {  # by the end of a path: absolute, relative
     ".max_effort": (0.5, 0.02),
     ".count": (0.0, 0.0),
 }
-NO_RESULT = ("inputs", "findings", "schema", "stopped_at", "status")
+NO_RESULT = ("inputs", "findings", "schema", "stopped_at", "status", "operations")
 NO_QUANTITY = ("error_bound_mm3", "line_of_max_force", "line_of_margin", "first_line", "number", "word")
 NO_PLACE = ("line_of_AT", "time_of_AT_s")
+NO_PACE = ("mean_feed_mm_min", "least_feed_mm_min", "share_at_feed")  # they follow from times that are compared
 COLUMNS = 5e-9  # m³ by which columns have to differ, besides that walls may stand in the next column
 
 
@@ -69,7 +70,7 @@ class Truth:
 def numbers_of(value: Any, path: str = "") -> Iterator[tuple[str, Any]]:
     if isinstance(value, dict):
         for key, inner in value.items():
-            if key not in (*NO_QUANTITY, *NO_PLACE) and (path or key not in NO_RESULT):
+            if key not in (*NO_QUANTITY, *NO_PLACE, *NO_PACE) and (path or key not in NO_RESULT):
                 yield from numbers_of(inner, f"{path}.{key}" if path else key)
     elif isinstance(value, list):
         for inner in value:
