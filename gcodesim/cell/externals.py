@@ -42,6 +42,9 @@ class SlidingAxis:
     acceleration: float | None = key(
         Quantity("acceleration", POSITIVE), "acceleration (assumed: full speed in 0.25 s)", default=None
     )
+    jerk: float | None = key(
+        Quantity("jerk", POSITIVE), "greatest change of acceleration (default: any)", default=None, quiet=True
+    )
     home: float | None = key(
         Quantity("length"), "position at the start (default 0, else the nearer end)", default=None, example="0 mm"
     )
@@ -71,6 +74,9 @@ class TurningAxis:
     speed: float = key(Quantity("angular speed", POSITIVE), "greatest speed")
     acceleration: float | None = key(
         Quantity("angular acceleration", POSITIVE), "acceleration (assumed: full speed in 0.25 s)", default=None
+    )
+    jerk: float | None = key(
+        Quantity("angular jerk", POSITIVE), "greatest change of acceleration (default: any)", default=None, quiet=True
     )
     home: float | None = key(
         Quantity("angle"), "position at the start (default 0, else the nearer end)", default=None, example="0 deg"
@@ -176,6 +182,7 @@ class External:
                 speed=axis.speed,
                 acceleration=axis.acceleration or axis.speed / SPIN_UP,
                 effort=math.inf if axis.effort is None else axis.effort,
+                jerk=axis.jerk,
                 moving_mass=axis.moving_mass,
             )
             for letter, axis in self.axes.items()

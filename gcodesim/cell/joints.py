@@ -17,6 +17,7 @@ from gcodesim.frozen import frozen
 Measure = Literal["length", "angle"]
 POSITIONS: Final = ("length", "angle")
 STIFFNESSES: Final = ("stiffness", "torsional stiffness")
+JERKS: Final = ("jerk", "angular jerk")
 
 
 @frozen

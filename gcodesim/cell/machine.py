@@ -220,6 +220,7 @@ class MachineTool:
                 speed=axis.speed,
                 acceleration=None if axis.assumed_acceleration else axis.acceleration,
                 effort=axis.effort,
+                jerk=axis.jerk,
             )
         return replace(self.shipped, joints=tuple(joints), links=self._links(self.shipped))
 
@@ -253,6 +254,7 @@ def _kinematic(axis: MachineAxis, kind: type[KinematicAxis]) -> KinematicAxis:
         speed=axis.speed,
         acceleration=None if axis.assumed_acceleration else axis.acceleration,
         effort=axis.effort,
+        jerk=axis.jerk,
         side=axis.side,
         point=axis.at,
         vector=axis.direction,

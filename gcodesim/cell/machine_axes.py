@@ -40,6 +40,9 @@ class LinearAxis:
     acceleration: float | None = key(
         Quantity("acceleration", POSITIVE), "acceleration (assumed: full speed in 0.25 s)", default=None
     )
+    jerk: float | None = key(
+        Quantity("jerk", POSITIVE), "greatest change of acceleration (default: any)", default=None, quiet=True
+    )
     home: float | None = key(
         Quantity("length"), "position at the start (default 0, else the nearer end)", default=None, example="0 mm"
     )
@@ -62,6 +65,9 @@ class RotaryAxis:
     speed: float | None = key(Quantity("angular speed", POSITIVE), "greatest speed", default=None)
     acceleration: float | None = key(
         Quantity("angular acceleration", POSITIVE), "acceleration (assumed: full speed in 0.25 s)", default=None
+    )
+    jerk: float | None = key(
+        Quantity("angular jerk", POSITIVE), "greatest change of acceleration (default: any)", default=None, quiet=True
     )
     home: float | None = key(
         Quantity("angle"), "position at the start (default 0, else the nearer end)", default=None, example="0 deg"
@@ -88,6 +94,8 @@ AxisForm = LinearAxis | RotaryAxis
 class MachineAxis:
     """One axis of a machine, complete. [m] or [rad], per s and s²; `effort` [N] or [N·m], infinite: unlimited.
 
+    `jerk` [m/s³, rad/s³]; None: any.
+
     `at` is a point on a rotary axis in M [m]; None: its place is not known (the axis gives time only).
     `direction` (3,) in M is what it turns right-handed about; None: by its letter.
     """
@@ -105,6 +113,7 @@ class MachineAxis:
     direction: tuple[float, float, float] | None = None
     moving_mass: float | None = None
     effort: float = math.inf
+    jerk: float | None = None
 
     @property
     def measure(self) -> Measure:
@@ -172,6 +181,7 @@ def own_axes(forms: Mapping[str, AxisForm], to: Reading, path: Path) -> tuple[Ma
                 direction=form.direction if isinstance(form, RotaryAxis) else None,
                 moving_mass=form.moving_mass,
                 effort=math.inf if form.effort is None else form.effort,
+                jerk=form.jerk,
             )
         )
     good = tuple(axis for axis in axes if not isinstance(axis, Unread))
@@ -219,6 +229,7 @@ def model_axes(
                 at=point,
                 moving_mass=form.moving_mass,
                 effort=float(joints.effort[i]) if form.effort is None else form.effort,
+                jerk=form.jerk if form.jerk is not None else joint.jerk,
             )
         )
     return tuple(axes) if good else UNREAD
@@ -270,14 +281,15 @@ def chain_point(chain: Chain, driven: int) -> tuple[float, float, float]:
 
 
 def _axis_kinds(axis: MachineAxis) -> dict[str, tuple[Quantity, Any]]:
-    place, speed, push, effort = (
-        ("angle", "angular speed", "angular acceleration", "torque")
+    place, speed, push, jerk, effort = (
+        ("angle", "angular speed", "angular acceleration", "angular jerk", "torque")
         if axis.rotary
-        else ("length", "speed", "acceleration", "force")
+        else ("length", "speed", "acceleration", "jerk", "force")
     )
     return {
         "speed": (Quantity(speed), axis.speed),
         "acceleration": (Quantity(push), axis.acceleration),
+        "jerk": (Quantity(jerk), axis.jerk),
         "home": (Quantity(place), axis.home),
         "moving_mass": (Quantity("mass"), axis.moving_mass),
         "effort": (Quantity(effort), axis.effort),

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import field, replace
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 import numpy as np
 
-from gcodesim.cell.joints import STIFFNESSES, JointList, Measure, check_within, in_si
+from gcodesim.cell.joints import JERKS, STIFFNESSES, JointList, JointValue, Measure, check_within, in_si
 from gcodesim.cell.models import shipped, shipped_chain, user_chain
 from gcodesim.cell.placing import POINT, Place
 from gcodesim.controllers import CONTROLLERS, Controller
@@ -35,6 +36,7 @@ if TYPE_CHECKING:
 RIGID: Final = "rigid"
 _CONFIGURATION: Final = ListOf(Choice(WORDS, "a configuration"), single=True)
 _STIFFNESS_OF: Final[dict[Measure, str]] = {"angle": "torsional stiffness", "length": "stiffness"}
+_JERK_OF: Final[dict[Measure, str]] = {"angle": "angular jerk", "length": "jerk"}
 
 
 @frozen
@@ -81,6 +83,12 @@ class RobotForm:
         Either(((RIGID, RIGID),), JointList(dimensions=STIFFNESSES, example="[1.5e5, 1.4e5, 9e4 N·m/rad]")),
         "stiffness of each gear, or `rigid`",
         default=None,
+    )
+    jerk: Any = key(
+        JointList(dimensions=JERKS, example="[6000, 6000, 6000, 12000, 12000, 12000 deg/s^3]"),
+        "greatest change of acceleration of each joint (default: any)",
+        default=None,
+        quiet=True,
     )
     payload: Payload | None = key(
         Record(Payload, "a payload", "mass"), "what hangs at the flange besides the tool", default=None
@@ -142,17 +150,14 @@ class RobotForm:
             to.default((*path, "stiffness"), stiffness, "" if stiffness is not None else "no stiffness is known")
         elif self.stiffness == RIGID:
             stiffness = None
-        elif len(self.stiffness) != len(measures):
-            span = to.span((*path, "stiffness"))
-            return to.fault(
-                "GS706", span, f"`stiffness` has {len(self.stiffness)} entries; the robot has {len(measures)} joints"
-            )
         else:
-            gears = [Quantity(_STIFFNESS_OF[m], POSITIVE) for m in measures]
-            written = in_si(self.stiffness, gears, to)
+            written = self._per_joint("stiffness", self.stiffness, _STIFFNESS_OF, measures, to, path)
             if isinstance(written, Unread):
                 return UNREAD
             stiffness = written
+        jerk = None if self.jerk is None else self._per_joint("jerk", self.jerk, _JERK_OF, measures, to, path)
+        if isinstance(jerk, Unread):
+            return UNREAD
         if self.base.frame is None:
             to.default((*path, "base", "in"), "world")
         if not self._can_stand(chain, to, (*path, "configuration")):
@@ -169,14 +174,30 @@ class RobotForm:
             urdf=None if self.urdf is None else self.urdf.name,
             flange=self.flange,
             description=description,
-            chain=chain,
+            chain=chain if jerk is None else with_jerk(chain, jerk),
             base=self.base,
             home=home,
             stiffness=stiffness,
+            jerk=jerk,
             payload=self.payload,
             configuration=self.configuration,
             controller=self.controller,
         )
+
+    def _per_joint(
+        self,
+        name: str,
+        values: tuple[JointValue, ...],
+        dimension: Mapping[Measure, str],
+        measures: tuple[Measure, ...],
+        to: Reading,
+        path: Path,
+    ) -> tuple[float, ...] | Unread:
+        """The positive values of key `name`, one a joint, in SI."""
+        if len(values) != len(measures):
+            span = to.span((*path, name))
+            return to.fault("GS706", span, f"`{name}` has {len(values)} entries; the robot has {len(measures)} joints")
+        return in_si(values, [Quantity(dimension[m], POSITIVE) for m in measures], to)
 
     def _can_stand(self, chain: Chain, to: Reading, path: Path) -> bool:
         """Whether `configuration` means something for this arm."""
@@ -228,13 +249,22 @@ def measures_of(chain: Chain) -> tuple[Measure, ...]:
     return tuple("length" if kind == "prismatic" else "angle" for kind in chain.driven_joints.kinds)
 
 
+def with_jerk(chain: Chain, jerk: tuple[float, ...]) -> Chain:
+    """The chain with these limits of jerk (j,) [rad/s³, m/s³] on its driven joints."""
+    joints = list(chain.joints)
+    for index, value in zip(chain.driven, jerk, strict=True):
+        joints[index] = replace(joints[index], jerk=value)
+    return replace(chain, joints=tuple(joints))
+
+
 @frozen
 class Robot:
     """A robot in the cell.
 
     `model` names a shipped one, else `urdf` is the file's name as written in the cell, and `flange` the link written
     there; `description` is where that file is, and `chain` its content. `home` [rad] or [m],
-    `stiffness` of the gears [N·m/rad] or [N/m], or None for rigid ones; `configuration` names the branches on which it
+    `stiffness` of the gears [N·m/rad] or [N/m], or None for rigid ones; `jerk` of its joints [rad/s³] or [m/s³] where
+    the cell says it; `configuration` names the branches on which it
     has to be (None: all); `controller` is how its motors follow the command; `X_WB` is its base in the world.
     """
 
@@ -250,6 +280,7 @@ class Robot:
     base: Place
     home: tuple[float, ...]
     stiffness: tuple[float, ...] | None
+    jerk: tuple[float, ...] | None
     payload: Payload | None
     configuration: tuple[str, ...] | None = None
     controller: Controller = Ideal()
@@ -324,6 +355,9 @@ class RobotKind(Kind):
         shown["base"] = Record(Place, "a place").show(value.base)
         shown["home"] = [Quantity(m).show(v) for m, v in zip(measures_of(value.chain), value.home, strict=True)]
         shown["stiffness"] = RIGID if value.stiffness is None else _show_stiffness(value)
+        if value.jerk is not None:
+            gears = [Quantity(_JERK_OF[m]) for m in measures_of(value.chain)]
+            shown["jerk"] = [gear.show(v) for gear, v in zip(gears, value.jerk, strict=True)]
         if value.payload is not None:
             shown["payload"] = Record(Payload, "a payload").show(value.payload)
         if value.controller.law != "ideal":
@@ -339,6 +373,8 @@ class RobotKind(Kind):
         shown["joint_units"] = ["mm" if m == "length" else "deg" for m in measures]
         shown["home"] = [Quantity(m).plain(v)[1] for m, v in zip(measures, value.home, strict=True)]
         shown["stiffness_SI"] = None if value.stiffness is None else list(value.stiffness)
+        if value.jerk is not None:
+            shown["jerk_SI"] = list(value.jerk)
         if value.payload is not None:
             shown["payload"] = Record(Payload, "a payload").plain(value.payload)[1]
         if value.controller.law != "ideal":

@@ -39,8 +39,10 @@ def row_paces(trajectory: Trajectory) -> RowPaces:
     row = trajectory.rows_at(middle)
     moves = (event < 0) & (end - begin > 1e-12)
     begin, end, phase, row = begin[moves], end[moves], phase[moves], row[moves]
-    first = phases.speed[phase] + phases.acceleration[phase] * (begin - phases.time[phase])
-    last = phases.speed[phase] + phases.acceleration[phase] * (end - phases.time[phase])
+    speed, change, jerk = phases.speed[phase], phases.acceleration[phase], phases.jerk[phase]
+    first, last = (
+        speed + change * t + 0.5 * jerk * t * t for t in (begin - phases.time[phase], end - phases.time[phase])
+    )
     low, high = np.minimum(first, last), np.maximum(first, last)
     np.minimum.at(least, row, np.maximum(low, 0.0))
     wanted = REACHED * feed[row]

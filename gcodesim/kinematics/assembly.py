@@ -32,6 +32,7 @@ class ExternalAxis:
     upper: float = np.inf
     speed: float = np.inf
     acceleration: float | None = None
+    jerk: float | None = None
     effort: float = np.inf
     moving_mass: float | None = None
 
@@ -78,6 +79,7 @@ def assembled(arm: Chain, carriers: Sequence[Carrier]) -> Chain:
                     upper=axis.upper,
                     speed=axis.speed,
                     acceleration=axis.acceleration,
+                    jerk=axis.jerk,
                     effort=axis.effort,
                 )
             )

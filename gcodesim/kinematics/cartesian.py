@@ -25,7 +25,7 @@ _VECTORS: Final = dict(zip(AXIS_LETTERS, np.vstack([np.eye(3), np.eye(3)]), stri
 
 @frozen
 class Axis:
-    """One axis of a machine tool. Travel, speed, acceleration, effort in m, rad, s, N, N·m; `point` [m] in M.
+    """One axis of a machine tool. Travel, speed, acceleration, jerk, effort in m, rad, s, N, N·m; `point` [m] in M.
 
     `vector` is the direction of positive motion of what the axis carries. Default:
     the letter's own axis of M for what carries the tool and for every rotary axis,
@@ -41,6 +41,7 @@ class Axis:
     upper: float = np.inf
     speed: float = np.inf
     acceleration: float | None = None
+    jerk: float | None = None
     effort: float = np.inf
     vector: tuple[float, float, float] | None = None
     side: Literal["tool", "table"] | None = None
@@ -90,6 +91,7 @@ def chain_of_axes(axes: Sequence[Axis], name: str = "machine") -> Chain:
                     upper=axis.upper,
                     speed=axis.speed,
                     acceleration=axis.acceleration,
+                    jerk=axis.jerk,
                     effort=axis.effort,
                 )
             )

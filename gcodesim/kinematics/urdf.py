@@ -1,11 +1,11 @@
 """Reader of URDF: any user's robot description becomes a `Chain`, faults become findings.
 
 Read are links with inertials, visuals and collisions (box, cylinder, capsule,
-sphere, mesh file), and joints with limits and mimic. The attribute
-`acceleration` of `<limit>` is an extension of ours ([rad/s²] or [m/s²]) that
-other readers skip. The flange F is the link that the cell names, else `tool0`, else `flange`, else `tcp`,
-else the end of the longest chain; a link `table` on a branch of its own is the
-work side of a machine tool.
+sphere, mesh file), and joints with limits and mimic. The attributes
+`acceleration` ([rad/s²] or [m/s²]) and `jerk` ([rad/s³] or [m/s³]) of `<limit>` are
+extensions of ours that other readers skip. The flange F is the link that the cell
+names, else `tool0`, else `flange`, else `tcp`, else the end of the longest chain; a link
+`table` on a branch of its own is the work side of a machine tool.
 """
 
 from __future__ import annotations
@@ -203,6 +203,7 @@ class _Reader:
         if axis is None:
             return None
         lower, upper, speed, effort, acceleration = self.limits(e, name, kind)
+        limit = e.child("limit")
         mimic = None
         follows = e.child("mimic")
         if follows is not None:
@@ -219,6 +220,7 @@ class _Reader:
             upper=upper,
             speed=speed,
             acceleration=acceleration,
+            jerk=None if limit is None else self.number(limit, "jerk", 0.0) or None,
             effort=effort,
             mimic=mimic,
         )

@@ -46,6 +46,7 @@ def blend(
     *,
     independent_rapids: bool | NDArray[np.bool_] = False,
     own_time: Array | None = None,
+    even: bool = False,
 ) -> Pieces:
     """Join the rows of `path` under the speed and acceleration `limits` of the axes.
 
@@ -53,7 +54,8 @@ def blend(
     rest, so the path is not straight and rapids are joined to nothing. Rows
     with a finite `own_time` (n,) [s] follow a law of their own from rest to
     rest and take that time. Other rows that do not move are left out; their
-    events keep their places.
+    events keep their places. `even`: rows that overlap do so at one speed, as a
+    law of time with bounded jerk needs it.
     """
     curves = Curves.of(path)
     if own_time is not None:
@@ -72,7 +74,7 @@ def blend(
     apart = np.zeros(len(stop), dtype=bool)
     feeding, timed = np.isfinite(path.feed[row_first]), curves.kind >= TIMED
     apart[:-1] = (feeding[1:] != feeding[:-1]) | timed[1:] | timed[:-1]
-    return _join(path, limits, curves, stop, apart, row_first.astype(np.int32), row_last.astype(np.int32))
+    return _join(path, limits, curves, stop, apart, row_first.astype(np.int32), row_last.astype(np.int32), even)
 
 
 def _chains(path: ToolPath, kept: NDArray[np.intp]) -> NDArray[np.intp]:
@@ -203,6 +205,7 @@ def _join(
     apart: NDArray[np.bool_],
     row_first: NDArray[np.int32],
     row_last: NDArray[np.int32],
+    even: bool,
 ) -> Pieces:
     n = len(curves)
     tangents = Tangents(*curves.end_tangents())
@@ -234,7 +237,7 @@ def _join(
     acceleration = acceleration * (1.0 - joints.reduction) * np.where(shared, OPEN_END_SHARE, 1.0)
     if overlapped.any():
         left = curves.length - joints.trim_start - joints.trim_end
-        overlaps(left, speed, acceleration, tolerance, tangents, joints)
+        overlaps(left, speed, acceleration, tolerance, even, tangents, joints)
     return _assemble(path, limits, curves, joints, speed, acceleration, row_first, row_last)
 
 

@@ -302,9 +302,15 @@ def corners(
 
 @kernel(short=True)
 def overlaps(
-    left: Column, speed: Column, acceleration: Column, tolerance: Column, tangents: Tangents, joints: JointColumns
+    left: Column,
+    speed: Column,
+    acceleration: Column,
+    tolerance: Column,
+    even: bool,
+    tangents: Tangents,
+    joints: JointColumns,
 ) -> None:
-    """Fill in the joints where the end of a curve overlaps with the start of the next.
+    """Fill in the joints where the end of a curve overlaps with the start of the next; `even`: both equally fast.
 
     `left` is what corner arcs leave of each curve, `acceleration` already the
     share that such blocks have. Both ramps last T; the corner is missed by
@@ -329,6 +335,10 @@ def overlaps(
                 v1, v2 = min(v1, most), min(v2, most)
         ramp = v1 / a1
         v2 = min(v2, a2 * ramp)
+        if even:
+            v1 = min(v1, v2)
+            v2 = v1
+            ramp = v1 / min(a1, a2)
         joints.duration[i] = ramp
         joints.cap[i] = v1
         joints.ratio[i] = v2 / v1

@@ -18,7 +18,7 @@ def standing_until(trajectory: Trajectory, end: float, event: Event) -> Trajecto
     """`trajectory`, then the machine stands for `event` until `end` [s], which is not before the trajectory's own."""
     begin = trajectory.duration
     still = _last_place(trajectory.pieces)
-    still |= {"time": begin, "duration": end - begin, "speed": 0.0, "acceleration": 0.0}
+    still |= {"time": begin, "duration": end - begin, "speed": 0.0, "acceleration": 0.0, "jerk": 0.0}
     still["event"] = len(trajectory.events)
     phases = Phases(*(np.append(getattr(trajectory.phases, name), still[name]) for name in Phases.names()))
     return _with_event(replace(trajectory, phases=phases), begin, end - begin, event)

@@ -72,7 +72,7 @@ def sample(
     t: Column, phase: Column, phases: PhaseColumns, pieces: PieceColumns, curves: CurveColumns
 ) -> tuple[Column, Column, Column, Column]:
     """Position (n, 6), velocity (n, 6), place in the piece (n,) and ds/dt (n,) at times `t` in phases `phase`."""
-    phase_time, phase_duration, phase_piece, phase_s, phase_speed, phase_acceleration = phases
+    phase_time, phase_duration, phase_piece, phase_s, phase_speed, phase_acceleration, phase_jerk = phases
     length = pieces.length
     n = len(t)
     position = np.empty((n, 6))
@@ -84,9 +84,12 @@ def sample(
         p = phase[j]
         i = phase_piece[p]
         tau = min(max(t[j] - phase_time[p], 0.0), phase_duration[p])
-        v, a = phase_speed[p], phase_acceleration[p]
-        s = min(max(phase_s[p] + tau * (v + 0.5 * a * tau), 0.0), length[i])
-        v = max(v + a * tau, 0.0)
+        v, a, change = phase_speed[p], phase_acceleration[p], phase_jerk[p]
+        s = phase_s[p] + tau * (v + 0.5 * a * tau)
+        if change != 0.0:
+            s += change * tau * tau * tau / 6.0
+        s = min(max(s, 0.0), length[i])
+        v = max(v + a * tau + 0.5 * change * tau * tau, 0.0)
         piece_point(i, s, pieces, curves, position[j], velocity[j], spare)
         for k in range(6):
             velocity[j, k] *= v

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,13 +16,15 @@ from gcodesim.motion.timing_kernels import PhaseColumns, end_speeds, times_at, t
 from gcodesim.motion.tool_path import PathEvent
 from gcodesim.motion.trajectory import Phases, TimedEvent, Trajectory
 
+NO_CAP: Final = 1e30
+
 
 @frozen(kw_only=False, eq=False)
 class Caps:
     """Caps on k segments of pieces, in the order of motion.
 
     A segment runs `piece` from `begin` over `length`; `speed` and
-    `acceleration` hold all along it, `junction` at its end. A piece may be cut
+    `acceleration` hold all along it, `junction` at its end, and so does `jerk` if there is one. A piece may be cut
     into many segments, as where joints of an arm have limits that change along it.
     """
 
@@ -31,6 +34,7 @@ class Caps:
     speed: Array
     acceleration: Array
     junction: Array
+    jerk: Array | None = None
 
     @staticmethod
     def of(pieces: Pieces) -> Caps:
@@ -56,19 +60,7 @@ def time_law(
     last = np.append(caps.piece[1:] != caps.piece[:-1], True)[:count]
     ratio = np.where(last, pieces.ratio[caps.piece], 1.0)
     fixed = pieces.fixed[caps.piece]
-    start, end = end_speeds(caps.length, caps.speed, caps.acceleration, caps.junction, ratio, fixed)
-    segment, duration, place, speed, acceleration = trapezoids(
-        caps.length, caps.speed, caps.acceleration, start, end, fixed
-    )
-    moving = Phases(
-        time=np.zeros(len(segment)),
-        duration=duration,
-        piece=caps.piece[segment],
-        s=caps.begin[segment] + place,
-        speed=speed,
-        acceleration=acceleration,
-        event=np.full(len(segment), -1, dtype=np.int64),
-    )
+    moving = _softly(caps, fixed) if caps.jerk is not None else _quickly(caps, ratio, fixed)
     rests = [(e.row, duration_of(e)) for e in pieces.path.events]
     phases, rest_start = _with_rests(moving, pieces, rests)
     row_start, row_end = _row_times(phases, pieces)
@@ -78,6 +70,57 @@ def time_law(
         for e, time, (_, seconds) in zip(pieces.path.events, times, rests, strict=True)
     )
     return Trajectory(pieces, phases, events, row_start[:-1], row_end)
+
+
+def _quickly(caps: Caps, ratio: Array, fixed: NDArray[np.bool_]) -> Phases:
+    """Trapezoids of speed."""
+    start, end = end_speeds(caps.length, caps.speed, caps.acceleration, caps.junction, ratio, fixed)
+    segment, duration, place, speed, acceleration = trapezoids(
+        caps.length, caps.speed, caps.acceleration, start, end, fixed
+    )
+    return Phases(
+        time=np.zeros(len(segment)),
+        duration=duration,
+        piece=caps.piece[segment],
+        s=caps.begin[segment] + place,
+        speed=speed,
+        acceleration=acceleration,
+        jerk=np.zeros(len(segment)),
+        event=np.full(len(segment), -1, dtype=np.int64),
+    )
+
+
+def _softly(caps: Caps, fixed: NDArray[np.bool_]) -> Phases:
+    """Speeds that change with bounded jerk. The pieces go over into each other at the same ds/dt."""
+    from gcodesim.motion.soft_kernels import CHANGE, DURATION, JERK, PIECE, PLACE, SPEED, SoftCaps, soft_law
+
+    assert caps.jerk is not None
+
+    def column(values: Array) -> Array:
+        return np.ascontiguousarray(np.minimum(values, NO_CAP))
+
+    table = soft_law(
+        SoftCaps(
+            piece=np.ascontiguousarray(caps.piece),
+            begin=column(caps.begin),
+            length=column(caps.length),
+            speed=column(caps.speed),
+            acceleration=column(caps.acceleration),
+            jerk=column(caps.jerk),
+            junction=column(caps.junction),
+            fixed=np.ascontiguousarray(fixed),
+        )
+    )
+    return Phases(
+        time=np.zeros(len(table)),
+        duration=table[:, DURATION].copy(),
+        piece=table[:, PIECE].astype(np.int64),
+        s=table[:, PLACE].copy(),
+        speed=table[:, SPEED].copy(),
+        acceleration=table[:, CHANGE].copy(),
+        jerk=table[:, JERK].copy(),
+        event=np.full(len(table), -1, dtype=np.int64),
+    )
 
 
 def _event_times(pieces: Pieces, rest_start: list[float], row_start: Array) -> list[float]:
@@ -108,6 +151,7 @@ def _with_rests(moving: Phases, pieces: Pieces, rests: list[tuple[int, float]]) 
         s=s_held,
         speed=np.zeros(count),
         acceleration=np.zeros(count),
+        jerk=np.zeros(count),
         event=np.array(lasting, dtype=np.int64),
     )
     phases = moving.insert(before, still)

@@ -20,6 +20,7 @@ class PhaseColumns(NamedTuple):
     s: Column
     speed: Column
     acceleration: Column
+    jerk: Column
 
 
 @kernel(short=True)
@@ -96,9 +97,24 @@ def trapezoids(
 
 
 @kernel(short=True)
+def time_to(way: float, speed: float, change: float, jerk: float, duration: float) -> float:
+    """When, within `duration`, a motion that goes only forwards has gone `way`; by bisection."""
+    low, high = 0.0, duration
+    for _ in range(80):
+        t = 0.5 * (low + high)
+        if t <= low or t >= high:
+            break
+        if t * (speed + t * (0.5 * change + jerk * t / 6.0)) < way:
+            low = t
+        else:
+            high = t
+    return high
+
+
+@kernel(short=True)
 def times_at(boundary_piece: Column, boundary_s: Column, phases: PhaseColumns) -> Column:
     """Times (b,) at which places (piece, s), given in order of motion, are reached; s infinite: the piece's end."""
-    phase_time, phase_duration, phase_piece, phase_s, phase_speed, phase_acceleration = phases
+    phase_time, phase_duration, phase_piece, phase_s, phase_speed, phase_acceleration, phase_jerk = phases
     out = np.empty(len(boundary_s))
     p = 0
     n = len(phase_piece)
@@ -113,6 +129,9 @@ def times_at(boundary_piece: Column, boundary_s: Column, phases: PhaseColumns) -
             continue
         way = max(s - phase_s[p], 0.0)
         v, a = phase_speed[p], phase_acceleration[p]
+        if phase_jerk[p] != 0.0:
+            out[b] = phase_time[p] + time_to(way, v, a, phase_jerk[p], phase_duration[p])
+            continue
         root = math.sqrt(max(v * v + 2.0 * a * way, 0.0))
         t = 2.0 * way / (v + root) if v + root > 0.0 else 0.0
         out[b] = phase_time[p] + min(t, phase_duration[p])

@@ -17,10 +17,10 @@ from gcodesim.motion.tool_path import HOME, RAPID, ToolPath
 
 @frozen(kw_only=False, eq=False)
 class Phases:
-    """p stretches of constant acceleration, one after the other.
+    """p stretches of constant jerk, one after the other; without jerk, of constant acceleration.
 
     From `time` on for `duration` [s], at place `s` of `piece`, ds/dt starts at
-    `speed` and changes by `acceleration`. `event` is -1 while the machine moves,
+    `speed` and changes by `acceleration`, and that by `jerk`. `event` is -1 while the machine moves,
     else the index of the event for which it stands.
     """
 
@@ -30,6 +30,7 @@ class Phases:
     s: Array
     speed: Array
     acceleration: Array
+    jerk: Array
     event: NDArray[np.int64]
 
     def insert(self, before: NDArray[np.intp], other: Phases) -> Phases:
@@ -154,7 +155,7 @@ class Trajectory:
         position, velocity, s, speed = sample(
             t,
             phase,
-            PhaseColumns(p.time, p.duration, p.piece, p.s, p.speed, p.acceleration),
+            PhaseColumns(p.time, p.duration, p.piece, p.s, p.speed, p.acceleration, p.jerk),
             pieces.arrays,
             pieces.curves.arrays,
         )

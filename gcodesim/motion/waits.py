@@ -57,6 +57,7 @@ def _phases(trajectory: Trajectory, lasting: list[int], wait: Array, until: Arra
         s=np.where(np.array(first) > 0, pieces.length[held], 0.0) if len(pieces) else np.zeros(len(lasting)),
         speed=np.zeros(len(lasting)),
         acceleration=np.zeros(len(lasting)),
+        jerk=np.zeros(len(lasting)),
         event=np.array(lasting, dtype=np.int64),
     )
     late = np.zeros(len(phases.time) + 1)

@@ -17,6 +17,7 @@ from gcodesim.motion.timing import Caps
 from gcodesim.planning.arm_kernels import JointCaps, SegmentRates, joint_caps, joint_rates
 from gcodesim.planning.flange import Flange
 from gcodesim.planning.guide import Outside
+from gcodesim.planning.jerk import softer
 from gcodesim.planning.kinks import Kinks
 from gcodesim.planning.loads import Loads, Slowing
 from gcodesim.planning.nodes import Nodes
@@ -52,6 +53,7 @@ class ArmCaps:
     found: JointCaps
     junction: Array
     kinks: Kinks
+    jerk: Array | None = None
 
     @staticmethod
     def of(kinematics: Kinematics, flange: Flange, nodes: Nodes, q: Array, bridged: NDArray[np.bool_]) -> ArmCaps:
@@ -66,7 +68,8 @@ class ArmCaps:
         found = JointCaps(
             wanted=wanted.copy(),
             speed=np.empty(len(i)),
-            acceleration=np.where(pieces.kind[piece] == OVERLAP, 0.0, np.inf),
+            # an overlap is run evenly; under jerk, as any other curve
+            acceleration=np.where((pieces.kind[piece] == OVERLAP) & np.isinf(joints.jerk).all(), 0.0, np.inf),
             joint=np.empty(len(i), dtype=np.int64),
             unresolved=np.empty(len(i)),
         )
@@ -78,6 +81,15 @@ class ArmCaps:
         junction = np.minimum(np.where(last, pieces.junction[piece], np.inf), found.speed)
         kinks = Kinks.between(rates, junction, pieces.ratio[piece], changes & follows, acceleration)
         return ArmCaps(pieces, piece, begin, length, wanted, exact, rates, found, junction, kinks)
+
+    def softened(self, nodes: Nodes, limit: Array) -> ArmCaps:
+        """The caps that keep the jerk of joints within `limit` (j,) too; as they are if there is none."""
+        if np.isinf(limit).all():
+            return self
+        follows = np.append(np.diff(nodes.segments) == 1, False)[: len(self.piece)]
+        goes_on = np.append((self.piece[1:] == self.piece[:-1]) & self.exact[1:] & self.exact[:-1], False)
+        goes_on = goes_on[: len(self.piece)]
+        return replace(self, **softer(self.rates, self.length, follows, goes_on, limit, self.found, self.junction))
 
     @property
     def parts(self) -> Array:
@@ -131,6 +143,7 @@ class ArmCaps:
         fixed = np.flatnonzero(pieces.fixed)
         zeros = np.zeros(len(fixed))
         order = np.argsort(np.concatenate([piece, fixed]), kind="stable")
+        jerk = None if self.jerk is None else np.concatenate([self.jerk, zeros + 1.0])[order]
         columns = (
             (piece, fixed),
             (self.begin, zeros),
@@ -139,7 +152,7 @@ class ArmCaps:
             (self.found.acceleration * self.kinks.left, zeros),
             (np.minimum(self.junction, self.kinks.cap), zeros),
         )
-        return Caps(*(np.concatenate(pair)[order] for pair in columns))
+        return replace(Caps(*(np.concatenate(pair)[order] for pair in columns)), jerk=jerk)
 
 
 def _rates(kinematics: Kinematics, flange: Flange, nodes: Nodes, q: Array, bridged: NDArray[np.bool_]) -> SegmentRates:

@@ -7,6 +7,7 @@ and cut into segments so short that joints bend evenly in each, which then has c
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -22,6 +23,7 @@ from gcodesim.motion.blend_kernels import NORMAL_SHARE
 from gcodesim.motion.curve_kernels import ROUND
 from gcodesim.motion.curves import Curves
 from gcodesim.motion.pieces import OVERLAP, Pieces
+from gcodesim.motion.printer_law import is_printed
 from gcodesim.motion.timing import Caps
 from gcodesim.motion.tool_path import Commanded, ToolPath
 from gcodesim.motion.trajectory import Samples
@@ -29,6 +31,7 @@ from gcodesim.planning.arm_kernels import JointCaps, SegmentRates, joint_caps
 from gcodesim.planning.axis_posing import AxisPosing, axes_at, limits_of_axes, offsets
 from gcodesim.planning.bent_ways import report_bent_rapids, report_jumps
 from gcodesim.planning.feeds import report_fast_feeds
+from gcodesim.planning.jerk import softer
 from gcodesim.planning.kinks import Kinks
 from gcodesim.planning.plan import JointExtremes, JointPath
 from gcodesim.planning.posing import Posed
@@ -93,7 +96,8 @@ class AxisAttitude:
     def pose(self, path: ToolPath, kinematics: Kinematics, home: Array, findings: Findings) -> Posed:
         """Joints within their limits wherever the tip is commanded; positions outside the travel are reported."""
         held = np.array([state.control == Commanded.POINT for state in path.states])[path.state]
-        if not held.any():
+        soft = bool(np.isfinite(kinematics.joints.jerk).any())
+        if is_printed(path) or not (held.any() or soft):
             plain = AxisPosing(independent_rapids=self.independent_rapids)
             return plain.pose(path, kinematics, home, findings)
         tool, joints = self.tool, kinematics.joints
@@ -103,8 +107,9 @@ class AxisAttitude:
         report_fast_feeds(path, possible, findings)
         ends = [_joints_of_tips(tool, points, offsets(path)) for points in (path.start, path.end)]
         report_jumps(path, tool, held, np.stack(ends), findings)
-        pieces = blend(path, limits, independent_rapids=~held if self.independent_rapids else False)
-        segments = Segments.of(pieces, held)
+        independent = ~held if self.independent_rapids and not soft else False
+        pieces = blend(path, limits, independent_rapids=independent, even=soft)
+        segments = Segments.of(pieces, held | soft)
         q0, q1 = (_joints_at(tool, pieces, held, segments.piece, segments.at(pieces, s)[0]) for s in segments.ends)
         low, high = _ranges(path, tool, held)
         for row in (pieces.row_first[segments.piece], pieces.row_last[segments.piece]):
@@ -203,12 +208,13 @@ def _caps(
     mean = (q[1] - q[0]) / length[:, None]
     feed = pieces.path.feed
     wanted = np.maximum(feed[pieces.row_first], feed[pieces.row_last])
-    wanted = np.where(pieces.kind == OVERLAP, pieces.speed, wanted)[piece]
-    lap = pieces.kind[piece] == OVERLAP
+    # where axes are commanded, blending knows what they can do along the piece
+    wanted = np.where((pieces.kind == OVERLAP) | ~held[pieces.row_first], pieces.speed, wanted)[piece]
+    lap, soft = pieces.kind[piece] == OVERLAP, bool(np.isfinite(joints.jerk).any())
     found = JointCaps(
         wanted=wanted.copy(),
         speed=np.empty(len(piece)),
-        acceleration=np.where(lap, 0.0, pieces.acceleration[piece]),
+        acceleration=np.where(lap, np.inf if soft else 0.0, pieces.acceleration[piece]),
         joint=np.empty(len(piece), dtype=np.int64),
         unresolved=np.empty(len(piece)),
     )
@@ -222,6 +228,12 @@ def _caps(
     others = np.setdiff1d(np.arange(len(pieces)), piece)
     junction = np.minimum(junction, kinks.cap)
     order = np.argsort(np.concatenate([piece, others]), kind="stable")
+    jerk = None
+    if soft:
+        after = np.append(np.diff(piece), 2)[: len(piece)]  # pieces to the next segment
+        lower = softer(rates, length, after <= 1, after == 0, joints.jerk, found, junction)
+        found, junction = lower["found"], lower["junction"]
+        jerk = np.concatenate([lower["jerk"], np.ones(len(others))])[order]
     columns = (
         (piece, others),
         (segments.begin, np.zeros(len(others))),
@@ -230,7 +242,7 @@ def _caps(
         (found.acceleration * kinks.left, pieces.acceleration[others]),
         (junction, pieces.junction[others]),
     )
-    return Caps(*(np.concatenate(pair)[order] for pair in columns))
+    return replace(Caps(*(np.concatenate(pair)[order] for pair in columns)), jerk=jerk)
 
 
 def _slopes(tool: ToolPoint, pieces: Pieces, segments: Segments, held: NDArray[np.bool_], s: Array) -> Array:

@@ -125,7 +125,8 @@ class FixedAttitude:
         choice = choose_spin(arm, probe, own, near, self.spin)
         limits = choice.limits if guide is None else _with_words(choice.limits, guide, kinematics.joints)
         path = self._in_the_work(path)
-        pieces = blend(path, limits, own_time=np.where(rows.joint, 1.0, np.nan))
+        soft = bool(np.isfinite(kinematics.joints.jerk).any())
+        pieces = blend(path, limits, own_time=np.where(rows.joint, 1.0, np.nan), even=soft)
         flange = Flange(pieces, R_BO, offsets(path)[:, :3], choice.spin, guide=guide)
         at_home = pieces.fixed & rows.home[pieces.row_first]
         if places is not None and guide is not None and guide.outside is not None:
@@ -153,6 +154,7 @@ class FixedAttitude:
             caps, slow = caps.within(self.loads, nodes, q_nodes)
             moves, slower = _moves_within(moves, self.loads, pieces)
             report_slow_motors(kinematics, pieces, Slowing.together([*slow, *slower]), findings)
+        caps = caps.softened(nodes, kinematics.joints.jerk)
         for piece, move in moves.items():
             pieces.length[piece] = pieces.curves.length[pieces.curve[piece]] = max(move.duration, SHORTEST)
         joints = ArmJoints(kinematics, flange, nodes, q_nodes, bridged, home, moves)

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import cached_property
+from math import sqrt
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from gcodesim.arithmetic.root_kernels import cube_root
 from gcodesim.frames import Array
 from gcodesim.frozen import frozen
 
@@ -60,8 +62,10 @@ class JointMove:
             return a * min(v / a, float(1.0 / np.sqrt(a)))
         if v * self._ramp(v) <= 1.0:
             return v
-        even = 0.5 * (float(np.sqrt(a**4 / j**2 + 4.0 * a)) - a * a / j)  # with a phase of even acceleration
-        return even if even >= a * a / j else float(np.cbrt(0.25 * j))
+        even = 0.5 * (
+            float(np.sqrt(a * a * (a / j) * (a / j) + 4.0 * a)) - a * a / j
+        )  # with a phase of even acceleration
+        return even if even >= a * a / j else cube_root(0.25 * j)
 
     def _ramp(self, peak: float) -> float:
         """Time [s] from rest to `peak` [1/s]."""
@@ -123,11 +127,13 @@ class JointMove:
         middle = t - rise
         s = np.where(
             first,
-            j * t**3 / 6.0,
-            np.where(last, 0.5 * top * ramp - top * left + j * left**3 / 6.0, j * rise**3 / 6.0)
-            + np.where(last, 0.0, 0.5 * j * rise**2 * middle + 0.5 * a * middle**2),
+            j * t * t * t / 6.0,
+            np.where(last, 0.5 * top * ramp - top * left + j * left * left * left / 6.0, j * rise * rise * rise / 6.0)
+            + np.where(last, 0.0, 0.5 * j * rise * rise * middle + 0.5 * a * middle * middle),
         )
-        v = np.where(first, 0.5 * j * t**2, np.where(last, top - 0.5 * j * left**2, 0.5 * j * rise**2 + a * middle))
+        v = np.where(
+            first, 0.5 * j * t * t, np.where(last, top - 0.5 * j * left * left, 0.5 * j * rise * rise + a * middle)
+        )
         return s, v, np.where(first, j * t, np.where(last, j * left, a))
 
     def within(self, loads: Loads, tool: int, piece: int = 0) -> tuple[JointMove, Slowing | None]:
@@ -144,5 +150,7 @@ class JointMove:
         k = float(worst.share[0])
         if k >= 1.0:
             return self, None
-        slower = replace(self, speed=self.peak * k**0.5, acceleration=self.acceleration * k, jerk=self.jerk * k**1.5)
+        slower = replace(
+            self, speed=self.peak * sqrt(k), acceleration=self.acceleration * k, jerk=self.jerk * k * sqrt(k)
+        )
         return slower, worst

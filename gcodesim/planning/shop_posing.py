@@ -12,6 +12,7 @@ from gcodesim.cell.externals import columns_of
 from gcodesim.frames import Array
 from gcodesim.kinematics.attitude import WordTurns
 from gcodesim.kinematics.branch_names import branches_named
+from gcodesim.kinematics.cartesian import Cartesian
 from gcodesim.kinematics.dynamics import GRAVITY
 from gcodesim.kinematics.tool_point import ToolPoint
 from gcodesim.planning.axis_attitude import AxisAttitude
@@ -31,6 +32,8 @@ def posing_of(shop: Shop) -> Posing:
     if shop.mover.joints_are_axes:
         independent = shop.mover.rapids == "independent"
         tool = ToolPoint.of(shop.kinematics)
+        if tool is None and isinstance(shop.kinematics, Cartesian) and np.isfinite(shop.kinematics.joints.jerk).any():
+            tool = ToolPoint(shop.kinematics)  # which cuts the path into segments; the tip is never commanded
         if tool is None:
             return AxisPosing(independent_rapids=independent)
         return AxisAttitude(tool=tool, independent_rapids=independent)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from dataclasses import dataclass
 from math import cos, radians, sin
@@ -218,6 +219,17 @@ def arm_at_a_table(rng: Random) -> Drawn:
         return f"A{angles[0]:.4f} C{angles[1]:.4f}"
 
     return Drawn(cell, f"G21 G90 G94 {_mode(rng)}\nT1 M6\n{_moves(rng, 20, 30, words)}M2\n")
+
+
+def with_jerk(drawn: Drawn, rng: Random) -> Drawn:
+    """The same with limits of jerk: full acceleration takes from 10 to 200 ms to build up."""
+
+    def of_axis(found: re.Match[str]) -> str:
+        return f"{found[0]}, jerk: {float(found[1]) / 10 ** rng.uniform(-2.0, -0.7):.5g} {found[2]}^3"
+
+    cell = re.sub(r"acceleration: ([0-9.]+) ((?:mm|deg|m)/s)\^2", of_axis, drawn.cell)
+    joints = ", ".join(f"{900.0 / 10 ** rng.uniform(-2.0, -0.5):.0f}" for _ in range(6))
+    return Drawn(re.sub(r"(arm: {model: \w+)", rf"\1, jerk: [{joints} deg/s^3]", cell), drawn.program)
 
 
 KINDS: dict[str, Callable[[Random], Drawn]] = {

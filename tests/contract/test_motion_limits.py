@@ -20,7 +20,7 @@ from gcodesim.planning import Plan
 from gcodesim.planning.shop_posing import loads_of
 from gcodesim.shop import Shop
 from gcodesim.simulation import prepare
-from tests.contract.drawn_motion import KINDS, Drawn
+from tests.contract.drawn_motion import KINDS, Drawn, with_jerk
 
 BEYOND = ("GS201", "GS202", "GS203", "GS205")  # findings of a path that cannot be had
 ROUNDING = 1e-3  # joints are solved to 1e-9 m, which makes 1e-3 m/s² in a difference of two differences
@@ -74,6 +74,33 @@ def check(kind: str, seeds: range) -> None:
         used, run = max(used, acceleration), run + 1
     assert run > len(seeds) // 2
     assert used > 0.8  # and limits are made use of
+
+
+def check_jerk(kind: str, seeds: range) -> None:
+    used = 0.0
+    for seed in seeds:
+        plan, _, whole = plan_of(with_jerk(KINDS[kind](Random(f"{kind} {seed}")), Random(seed)))
+        if not whole:
+            continue
+        speed, acceleration = shares(plan)
+        assert speed <= 1.0 + 1e-6 and acceleration <= 1.0 + ROUNDING, seed
+        trajectory = plan.trajectory
+        q = plan.joints(trajectory.sample(np.arange(-3 * CYCLE, trajectory.duration + 4 * CYCLE, CYCLE)))
+        jerk = float((np.abs(np.diff(q, n=3, axis=0)) / CYCLE**3 / plan.kinematics.joints.jerk).max())
+        assert jerk <= 1.0 + 10.0 * ROUNDING, seed  # one more difference of what is solved to 1e-9 m
+        used = max(used, jerk)
+    assert used > 0.5
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_no_jerk_is_beyond_its_limit(kind: str) -> None:
+    check_jerk(kind, range(2))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", KINDS)
+def test_no_jerk_of_many_is_beyond_its_limit(kind: str) -> None:
+    check_jerk(kind, range(2, MANY // 2))
 
 
 @pytest.mark.parametrize("kind", KINDS)
