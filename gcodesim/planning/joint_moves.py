@@ -65,7 +65,7 @@ class JointMove:
         even = 0.5 * (
             float(np.sqrt(a * a * (a / j) * (a / j) + 4.0 * a)) - a * a / j
         )  # with a phase of even acceleration
-        return even if even >= a * a / j else cube_root(0.25 * j)
+        return even if even >= swell else cube_root(0.25 * j)
 
     def _ramp(self, peak: float) -> float:
         """Time [s] from rest to `peak` [1/s]."""
