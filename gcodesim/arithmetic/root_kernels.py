@@ -1,11 +1,11 @@
-"""Roots by + − * / alone: the same bits interpreted, compiled and on every processor."""
+"""Roots by + − * / alone: the same bits on every processor."""
 
 from __future__ import annotations
 
 from gcodesim.compiled import kernel
 
 
-@kernel(short=True)
+@kernel
 def cube_root(x: float) -> float:
     """The cube root of `x` >= 0, to two units in the last place (Newton's method from above)."""
     if x <= 0.0:

@@ -62,9 +62,8 @@ class JointMove:
             return a * min(v / a, float(1.0 / np.sqrt(a)))
         if v * self._ramp(v) <= 1.0:
             return v
-        even = 0.5 * (
-            float(np.sqrt(a * a * (a / j) * (a / j) + 4.0 * a)) - a * a / j
-        )  # with a phase of even acceleration
+        swell = a * a / j  # the least peak of ramps with a phase of even acceleration
+        even = 0.5 * (sqrt(swell * swell + 4.0 * a) - swell)
         return even if even >= swell else cube_root(0.25 * j)
 
     def _ramp(self, peak: float) -> float:
