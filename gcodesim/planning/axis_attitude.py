@@ -224,7 +224,8 @@ def _caps(
     follows = np.diff(piece) == 1  # within a piece there are none
     junction = np.minimum(np.where(last, pieces.junction[piece], np.inf), found.speed)
     kinks = Kinks.between(rates, junction, pieces.ratio[piece], follows, acceleration)
-    report_slow_joints(kinematics, pieces, piece, wanted, found.wanted, found.joint, findings)
+    tip = held[pieces.row_first[piece]]
+    report_slow_joints(kinematics, pieces, piece[tip], wanted[tip], found.wanted[tip], found.joint[tip], findings)
     others = np.setdiff1d(np.arange(len(pieces)), piece)
     junction = np.minimum(junction, kinks.cap)
     order = np.argsort(np.concatenate([piece, others]), kind="stable")
