@@ -105,8 +105,9 @@ class AxisAttitude:
         report_missing_axes(path, tool.columns, findings)
         possible = np.where(held, np.inf, along_limits(Curves.of(path), limits)[0])
         report_fast_feeds(path, possible, findings)
-        ends = [_joints_of_tips(tool, points, offsets(path)) for points in (path.start, path.end)]
-        report_jumps(path, tool, held, np.stack(ends), findings)
+        if held.any():
+            ends = [_joints_of_tips(tool, points, offsets(path)) for points in (path.start, path.end)]
+            report_jumps(path, tool, held, np.stack(ends), findings)
         independent = ~held if self.independent_rapids and not soft else False
         pieces = blend(path, limits, independent_rapids=independent, even=soft)
         segments = Segments.of(pieces, held | soft)
