@@ -123,6 +123,13 @@ class Family(Mapping[str, Any]):
         return sum(1 for _ in self)
 
 
+def take_back() -> None:
+    """Forget what own files have added: each command begins with what is installed."""
+    _LENT.clear()
+    _LENDERS.clear()
+    _FILES.clear()
+
+
 def extensions() -> list[EntryPoint]:
     """All that other packages add to families, in the order of their groups and names."""
     found = [point for points in _all_added().values() for point in points]

@@ -19,7 +19,7 @@ from gcodesim.cli.parser import parser_for
 from gcodesim.cli.streams import drop_output
 from gcodesim.diagnostics.plain import PlainStream, raw
 from gcodesim.extras import ExtraMissingError
-from gcodesim.family import ExtensionError, package_at_fault
+from gcodesim.family import ExtensionError, package_at_fault, take_back
 
 # Imports create many objects that all stay; looking for garbage after every 700 takes a tenth of a short command.
 GARBAGE_EVERY: Final = 100_000
@@ -56,6 +56,7 @@ def _run(argv: Sequence[str] | None) -> int:
     arguments: Namespace | None = None
     try:
         with handled():
+            take_back()
             words = sys.argv[1:] if argv is None else argv
             refuse_files_like_options(words)
             arguments = parser_for(words).parse_args(words)

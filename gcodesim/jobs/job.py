@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from gcodesim.jobs.meetings import Appointments
     from gcodesim.jobs.target_result import TargetResult
     from gcodesim.material.skin import PaintedSkin
+    from gcodesim.log.shapes import DrawnLine
     from gcodesim.planning import Plan
 
 KINEMATIC: Final = "kinematic"
@@ -91,6 +92,7 @@ class Job:
     alone: bool = True
     seen: Callable[[StepRecord], None] | None = None
     sensed: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)  # what sensors have read, for the results
+    drawings: tuple[DrawnLine, ...] | None = None  # what a script has drawn so far; None where none draws
     shop: Shop | None = None
     reading: Run | None = None
     plan: Plan | None = None

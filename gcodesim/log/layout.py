@@ -65,18 +65,19 @@ def layout(
     fields: Sequence[ProcessField] = (),
     channels: Sequence[str] = (),
     images: Sequence[tuple[str, str]] = (),
+    drawn: Sequence[str] = (),
 ) -> bytes:
     """A layout as JSON for a log with those joints, outputs (names as in `/program`) and fields of its processes.
 
     What `channels` of further programs draw is shown as well, and the pictures of cameras, `images`: their topics and
-    those of their calibrations.
+    those of their calibrations. `drawn` are further topics with shapes.
 
     KeyError for another kind.
     """
     view = view or View()
     own = _own_plots([field.name for field in fields if not field.flag])
     panels, right = {"milling": _milling, "robot": _robot, "process": _process}[kind](joints, own)
-    panels |= {name: _scene(name, camera, channels) for name, camera in _cameras(view).items()}
+    panels |= {name: _scene(name, camera, channels, drawn) for name, camera in _cameras(view).items()}
     panels |= {_image_name(topic): _image(topic, calibration) for topic, calibration in images}
     panels |= {
         "StateTransitions!program": _states(outputs, [field.name for field in fields if field.flag]),
@@ -270,9 +271,9 @@ def _image(topic: str, calibration: str) -> Json:
     return {**_titled(topic), "imageMode": mode, "synchronize": False}
 
 
-def _scene(panel: str, camera: ViewerCamera, channels: Sequence[str] = ()) -> Json:
+def _scene(panel: str, camera: ViewerCamera, channels: Sequence[str] = (), drawn: Sequence[str] = ()) -> Json:
     topics = [*topic_table(MOST_TILES, MOST_TILES), *(topic for name in channels for topic in topics_of_channel(name))]
-    scenes = [topic.name for topic in topics if topic.schema == "foxglove.SceneUpdate"]
+    scenes = [*(topic.name for topic in topics if topic.schema == "foxglove.SceneUpdate"), *drawn]
     return {
         **_titled(panel.partition("!")[2]),
         "cameraState": {

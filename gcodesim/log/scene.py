@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from gcodesim.arithmetic.matrices import norms
 from gcodesim.log.byte_strings import ByteStrings
 from gcodesim.log.mesh_kernels import put_points, round_points
-from gcodesim.log.shapes import Array, Color, DrawnMesh, DrawnShape, Entity, PathPart, Polylines
+from gcodesim.log.shapes import Array, Color, DrawnLine, DrawnMesh, DrawnShape, Entity, PathPart, Polylines
 from gcodesim.log.template import Template, TemplatePiece, double_slot, nested, stamp_slot
 from gcodesim.log.wire import BYTES, Part, chunk, double, packed_fixed32, stamp, tag, text, unsigned, wrap
 from gcodesim.solids import Box, Cone, Cylinder, Sphere
@@ -204,6 +204,16 @@ def polyline_update(t_ns: int, id: str, frame: str, points: Array, color: Color 
         return _delete_all(t_ns)
     line = _line(LINE_STRIP, points, color, BLOCK_PIXELS)
     return b"".join([_delete_all(t_ns), *_entity(t_ns, id, frame, [line])])
+
+
+def lines_update(t_ns: int, lines: Sequence[DrawnLine]) -> bytes:
+    """All lines in the world, and nothing else; long ones are drawn coarser."""
+    parts: list[Part] = [_delete_all(t_ns)]
+    most = MOST_LINE_POINTS // max(len(lines), 1)
+    for line in lines:
+        points = line.points[:: -(-len(line.points) // most)] if len(line.points) > most else line.points
+        parts += _entity(t_ns, line.id, "world", [_line(LINE_STRIP, points, line.color, BLOCK_PIXELS)])
+    return b"".join(parts)
 
 
 def block_piece(count: int, frame: str) -> TemplatePiece:

@@ -150,6 +150,15 @@ class Polylines:
 
 
 @frozen(eq=False)
+class DrawnLine:
+    """A line through points (n, 3) [m] of the world that somebody draws; `id` is its own."""
+
+    id: str
+    points: Array
+    color: Color
+
+
+@frozen(eq=False)
 class PathPart:
     """Lines of the planned path that lie ahead until a time [ns]."""
 

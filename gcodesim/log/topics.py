@@ -29,6 +29,10 @@ PERIODIC: Final = (
 )
 
 
+DRAWN: Final = Topic("/scene/drawn", "foxglove.SceneUpdate", "change")
+"""What a script draws; only logs of sessions have it."""
+
+
 def tile_topic(family: str, index: int) -> str:
     """The topic of tile `index` of `stock` or `added`."""
     return f"/scene/{family}/{index:02d}"

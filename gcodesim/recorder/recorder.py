@@ -33,6 +33,8 @@ from gcodesim.log import (
     layout,
 )
 from gcodesim.log.further import FurtherLog
+from gcodesim.log.scene import lines_update
+from gcodesim.log.topics import DRAWN, Topic
 from gcodesim.motion.tool_path import HOME, RAPID
 from gcodesim.processes.column import FORCE, LOG, POWER, RESULTS, TORQUE, Column
 from gcodesim.recorder.blocks import Blocks
@@ -115,6 +117,7 @@ class Recorder:
         self._blocks = Blocks.of(self._plan, self._shop, job.sources, self._ways, self._frames.path_frame)
         self._begun = 0  # how many of the blocks have been written
         self._drawn = len(self._plan.path)  # rows
+        self._drawings = job.drawings
         self._expected: deque[Sequence[Diagnostic]] = deque()
         self._tiles: list[Tiles] = []
         self._films = Films((), (), ()) if prefix else self._films_of(job)
@@ -189,7 +192,9 @@ class Recorder:
         channels = [other.channel for other in self.others]
         images = image_topics(self._shop)
         joints, outputs = self._shop.joint_names, self._blocks.outputs
-        attachments["layout.json"] = layout(kind, joints, outputs, view, fields, channels, images)
+        attachments["layout.json"] = layout(
+            kind, joints, outputs, view, fields, channels, images, [topic.name for topic, _ in self._drawn_topics]
+        )
         run = {
             "program": job.program.name,
             "program_sha256": job.program.sha256,
@@ -220,12 +225,18 @@ class Recorder:
             path_frame=self._frames.path_frame,
             process_kinds=self._sheet.kinds,
             process_fields=fields,
-            sensor_topics=sensor_topics(self._shop),
+            sensor_topics=(*sensor_topics(self._shop), *self._drawn_topics),
             stock_tiles=max(1, sum(len(tiles) for tiles in self._tiles)),
             added_tiles=len(self._films),
             records={"gcodesim.joints": self._limits.record, **records},
             attachments=attachments,
         )
+
+    @property
+    def _drawn_topics(self) -> tuple[tuple[Topic, bytes], ...]:
+        """The topic of what a script draws, with what it shows at the start."""
+        drawings = self._job.drawings
+        return () if drawings is None else ((DRAWN, lines_update(0, drawings)),)
 
     def _fields(self) -> tuple[ProcessField, ...]:
         fields = tuple(field for column in self._sheet.own(LOG) for field in _fields_of(column))
@@ -316,6 +327,10 @@ class Recorder:
         self._blocks = Blocks.of(plan, self._shop, self._job.sources, self._ways, frame)
         self._texts.expect(plan.trajectory.events[events:])
         self._instants.follow(plan)
+        drawings = self._job.drawings
+        if drawings is not None and drawings is not self._drawings:
+            self._drawings = drawings
+            self._writer.sensed(self._now_ns, DRAWN.name, lines_update(self._now_ns, drawings))
         while self._expected:
             self._reporter.expect(self._expected.popleft(), self._now_ns)
         if len(plan.path) > WORTH_DRAWING * self._drawn or len(plan.path) < ALWAYS_DRAWN:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from types import FrameType, TracebackType
@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from gcodesim import simulation
 from gcodesim.api import InputError
+from gcodesim.arithmetic.matrices import multiplied
 from gcodesim.canon import Pause, ToolChange
 from gcodesim.cell.loader import load_cell
 from gcodesim.cell.standing import standing_of
@@ -23,15 +24,18 @@ from gcodesim.frames import Array, Pose, quaternion_from_rotation, rotation_from
 from gcodesim.frozen import frozen
 from gcodesim.jobs.job import Job, Options
 from gcodesim.kinematics.protocol import Status
+from gcodesim.log.shapes import DrawnLine
 from gcodesim.motion.joining import standing_until
 from gcodesim.motion.tool_path import PathEvent, ToolPath, ToolState
 from gcodesim.observation.schedule import Station, stations_of
 from gcodesim.planning import Plan, plan_path, posing_of
 from gcodesim.planning.joint_moves import JointMove
+from gcodesim.planning.joint_spline import JointSpline
 from gcodesim.planning.shop_posing import loads_of
 from gcodesim.sensors.camera import MOST_PIXELS
 from gcodesim.sensors.optics import Optics
 from gcodesim.sensors.outputs import Output, Picture
+from gcodesim.session.pose_path import between
 from gcodesim.session.run_thread import RunThread
 from gcodesim.session.sensor_in_hand import Present, depths_of, looking, pixels_of
 from gcodesim.session.servo_kernels import JointBounds, approach
@@ -100,6 +104,7 @@ def open_cell(
     job.findings.extend(loaded.findings)
     assert loaded.cell is not None
     job.shop = open_shop(loaded.cell)
+    job.drawings = ()
     standing = simulation.standing_findings(job.shop)
     job.findings.extend(standing)
     if any(finding.level >= Severity.ERROR for finding in standing):
@@ -190,6 +195,54 @@ class OpenCell:
         except ValueError as fault:
             raise MisuseError(f"there is no such picture: {fault}") from fault
         return self._present().picture(Optics.of_view(width, height, field_of_view), X_WC)
+
+    # ---- drawings, in the log and its viewer
+
+    def draw(
+        self, path: ToolPath | ArrayLike, *, color: Sequence[float] = (0.85, 0.1, 0.6), frame: str | None = None
+    ) -> None:
+        """Draw a path in the log, from now on: a `ToolPath` in a work system (G54), or points (n, 3) [m] in the world.
+
+        `color` is red, green and blue from 0 to 1. MisuseError for what is no line, and for an unknown work system.
+        """
+        if isinstance(path, ToolPath):
+            points = path.positions if len(path) else np.zeros((0, 3))
+            X_WM = self._shop.X_WB @ self._shop.X_BM
+            points = X_WM.apply(self._shop.placement.work_offsets[self._system(frame or "G54")].apply(points))
+        elif frame is not None:
+            raise MisuseError("points are those of the world; only a `ToolPath` is drawn in a work system")
+        else:
+            points = np.asarray(path, dtype=float)
+        if points.ndim != 2 or points.shape[1] != 3 or len(points) < 2 or not np.isfinite(points).all():
+            raise MisuseError("a drawing needs two points or more, each of three finite numbers")
+        self._draw(points, color)
+
+    def draw_frame(self, position: ArrayLike, orientation: ArrayLike | None = None, length: float = 0.05) -> None:
+        """Draw the axes of a pose in the world: X red, Y green, Z blue, `length` [m]; quaternion x y z w."""
+        R = np.eye(3) if orientation is None else rotation_from_quaternion(np.asarray(orientation, dtype=float))
+        p = np.asarray(position, dtype=float)
+        for axis in range(3):
+            self._draw(np.array([p, p + length * R[:, axis]]), [float(k == axis) for k in range(3)])
+
+    def clear_drawings(self) -> None:
+        """Take all drawings away, from now on."""
+        self._flush()
+        self._job.drawings = ()
+
+    def _draw(self, points: Array, color: Sequence[float]) -> None:
+        self._check_open()
+        self._flush()  # what waits has been before
+        red, green, blue = (float(share) for share in color)
+        drawn = self._job.drawings or ()
+        line = DrawnLine(id=f"drawing {len(drawn)}", points=points.copy(), color=(red, green, blue, 1.0))
+        self._job.drawings = (*drawn, line)
+
+    def _system(self, frame: str) -> int:
+        """The number of a work system by name; MisuseError for one that the cell does not have."""
+        names = {f"G{54 + k}" if k < 6 else f"G59.{k - 5}": k + 1 for k in range(9)}
+        if names.get(frame) not in self._shop.placement.work_offsets:
+            raise MisuseError(f"there is no work system `{frame}`; use G54 to G59.3")
+        return names[frame]
 
     @property
     def time(self) -> float:
@@ -330,6 +383,23 @@ class OpenCell:
         self._wait_for(table)
         self._q, self._target = target.copy(), target.copy()
 
+    def _follow_joints(self, vectors: Array, active: bool | None) -> None:
+        """Go through joint vectors (n, j) without a stop, from where the robot stands, and wait until that is done."""
+        self._check_open()
+        self._check_rest()
+        spline = JointSpline.through(np.vstack([self._q, vectors]), self._shop.kinematics.joints)
+        dt = self._step_ns * 1e-9
+        count = max(int(np.ceil(spline.duration / dt - 1e-9)), 1)
+        table = spline.at(np.arange(count + 1, dtype=float) * dt)
+        table[0], table[-1] = self._q, vectors[-1]
+        joints = self._shop.kinematics.joints
+        for k in np.flatnonzero(((table < joints.lower) | (table > joints.upper)).any(axis=0)):
+            raise MisuseError(f"the smooth way through these vectors takes {joints.names[k]} beyond its limit")
+        before, self._active = self._active, self._active if active is None else active
+        self._wait_for(table)
+        self._active = before
+        self._q, self._target = table[-1].copy(), table[-1].copy()
+
     def _check_rest(self) -> None:
         if np.any(np.abs(self._qd) > 0.0):
             raise MisuseError("the robot is moving; let it come to rest with `cell.step` first")
@@ -342,11 +412,7 @@ class OpenCell:
         self._check_rest()
         self._flush()
         shop, tool = self._shop, self._shop.tool(self._state.tool)
-        placed = shop.placement.work_offsets
-        names = {f"G{54 + k}" if k < 6 else f"G59.{k - 5}": k + 1 for k in range(9)}
-        if names.get(frame) not in placed:
-            raise MisuseError(f"there is no work system `{frame}`; use G54 to G59.3")
-        system = names[frame]
+        placed, system = shop.placement.work_offsets, self._system(frame)
         length = 0.0 if tool is None else tool.true_length
         state = replace(self._state, system=system, offset=(0.0, 0.0, length, 0.0, 0.0, 0.0), word="G1")
         n = len(path)
@@ -453,6 +519,51 @@ class Arm:
         self._cell._check_rest()
         for target in [self._joints_of(q) for q in vectors]:
             self._cell._move_joints(target)
+
+    def follow_joints(self, vectors: Sequence[Mapping[str, float] | ArrayLike], active: bool | None = None) -> None:
+        """Go through joint vectors without a stop, and wait; `active` switches the process of the tool meanwhile.
+
+        A cubic spline from rest to rest, as fast as the limits of the joints allow (`planning.joint_spline`).
+        MisuseError beyond a limit, before anything moves, and while the robot moves already.
+        """
+        self._cell._check_rest()
+        table = [self._joints_of(q) for q in vectors]
+        if not table:
+            raise MisuseError("the path has no joint vectors")
+        self._cell._follow_joints(np.array(table), active)
+
+    def follow(
+        self,
+        positions: ArrayLike,
+        orientations: ArrayLike | None = None,
+        *,
+        spacing: float = 5e-3,
+        active: bool | None = None,
+    ) -> None:
+        """Bring the tip through poses in the world without a stop, and wait; it begins where the tip stands.
+
+        `positions` (n, 3) [m], `orientations` (n, 4) x y z w, or one for all, or None: the tool keeps its own. Between
+        two poses the tip goes straight, and turns evenly, through further poses that are at most `spacing` [m] (or as
+        many radians times 0.1 m) apart; joints go through all of them as in `follow_joints`. MisuseError, with the
+        number of the pose, where one cannot be reached, before anything moves.
+        """
+        cell = self._cell
+        cell._check_rest()
+        p0, q0 = self.endeffector_pose
+        ends = np.vstack([p0, np.atleast_2d(np.asarray(positions, dtype=float))])
+        wanted = q0 if orientations is None else np.asarray(orientations, dtype=float)
+        turns = np.broadcast_to(wanted, (len(ends) - 1, 4))
+        if not (np.isfinite(ends).all() and np.isfinite(turns).all() and spacing > 0.0):
+            raise MisuseError("poses are finite numbers, and their spacing is above 0 m")
+        poses, number = between(ends, np.vstack([q0, turns]), spacing)
+        shop = cell._shop
+        X_FT, X_BW = self._X_FT().inverse().matrix, shop.X_WB.inverse().matrix
+        q, status = shop.kinematics.inverse(multiplied(X_BW, poses, X_FT), cell._q)
+        bad = np.flatnonzero((status == Status.REACH) | (status == Status.LIMIT))
+        if len(bad):
+            why = "is out of reach" if status[bad[0]] == Status.REACH else "needs a joint beyond its limit"
+            raise MisuseError(f"`{self.name}` cannot go there: the way to pose {number[bad[0]]} {why}")
+        cell._follow_joints(q, active)
 
     def move_to(self, position: ArrayLike, orientation: ArrayLike | None = None) -> None:
         """Bring the tip to a pose in the world by a joint move (PTP), and wait; as `set_endeffector_pose` otherwise."""

@@ -119,6 +119,13 @@ def test_what_a_file_adds_works_where_it_is_allowed(folder: Path, capsys: pytest
     assert "own.py" in json.dumps(results["inputs"])
 
 
+def test_a_command_adds_nothing_to_the_next(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["cell", "validate", "cell.yaml", "--allow-code"]) == 0
+    assert main(["list", "tools"]) == 0
+    assert "own_pin" not in capsys.readouterr().out
+    assert main(["cell", "validate", "cell.yaml", "--allow-code"]) == 0
+
+
 def test_the_callers_of_python_may_allow_it(folder: Path) -> None:
     cell = gcodesim.load_cell("cell.yaml", allow_code=True)
     assert cell.tools[1].kind == "own_pin"

@@ -219,3 +219,86 @@ def test_a_closed_cell_and_a_wrong_one_are_told(tmp_path: Path) -> None:
     (tmp_path / "bad.yaml").write_text(CELL.replace("tools:", "tols:"))
     with pytest.raises(gcodesim.InputError, match="tols"):
         gcodesim.open_cell(tmp_path / "bad.yaml")
+
+
+def test_a_joint_path_is_gone_through_without_a_stop(tmp_path: Path) -> None:
+    with gcodesim.open_cell(_cell(tmp_path)) as cell:
+        arm = cell.robot()
+        first, limits = arm.joint_state.position, cell._shop.kinematics.joints
+        seen: list[np.ndarray[Any, Any]] = []
+        cell._job.seen = lambda record: (seen.append(record.world.q.copy()), cell._see(record))  # type: ignore[assignment, func-returns-value]
+        path = [first + step * np.array([0.1, 0.05, -0.05, 0.1, 0.1, 0.2]) for step in range(1, 6)]
+        arm.follow_joints(path)
+        assert arm.joint_state.position == pytest.approx(path[-1], abs=1e-12)
+        q = np.concatenate(seen)
+        moving = np.abs(np.diff(q, axis=0)).max(axis=1) > 1e-9
+        inner = np.flatnonzero(moving)
+        assert moving[inner[0] : inner[-1]].all()
+        dt = cell._step_ns * 1e-9
+        assert (np.abs(np.diff(q, axis=0)) / dt <= limits.speed * (1.0 + 1e-6)).all()
+        with pytest.raises(MisuseError, match="cannot go to"):
+            arm.follow_joints([first + 10.0])
+        with pytest.raises(MisuseError, match="no joint vectors"):
+            arm.follow_joints([])
+
+
+def test_poses_are_followed_with_their_orientations(tmp_path: Path) -> None:
+    """The tip passes every pose, and between two it goes straight to a tenth of a millimetre."""
+    with gcodesim.open_cell(_cell(tmp_path)) as cell:
+        arm, tool = cell.robot(), cell.tool(1)
+        tool.couple(arm)
+        down = [1.0, 0.0, 0.0, 0.0]
+        lean = [np.cos(0.2), 0.0, np.sin(0.2), 0.0]
+        arm.move_to([0.6, -0.1, 0.45], down)
+        seen: list[np.ndarray[Any, Any]] = []
+        cell.time  # noqa: B018  (runs what waits)
+        cell._job.seen = lambda record: (seen.append(record.window.tip.copy()), cell._see(record))  # type: ignore[assignment, func-returns-value]
+        arm.follow([[0.6, 0.1, 0.45], [0.6, 0.1, 0.55]], [down, lean])
+        position, orientation = arm.endeffector_pose
+        assert position == pytest.approx([0.6, 0.1, 0.55], abs=1e-6)
+        assert abs(float(orientation @ np.array(lean))) == pytest.approx(1.0, abs=1e-9)
+        tips = (cell._shop.X_WB.matrix @ np.concatenate(seen))[:, :3, 3]
+        first = tips[tips[:, 1] < 0.09]
+        assert np.abs(first[:, [0, 2]] - [0.6, 0.45]).max() < 1e-4
+        with pytest.raises(MisuseError, match="the way to pose 1 is out of reach"):
+            arm.follow([[0.6, 0.0, 0.5], [3.0, 0.0, 0.5]])
+
+
+def test_drawings_are_in_the_log_from_their_time_on(tmp_path: Path) -> None:
+    from gcodesim.log.reader import read_messages
+
+    with gcodesim.open_cell(_cell(tmp_path), out=tmp_path / "out") as cell:
+        arm = cell.robot()
+        cell.draw(SLOT)
+        cell.step(0.1)
+        cell.draw([[0.0, 0.0, 1.0], [0.5, 0.0, 1.0]], color=(0.0, 1.0, 0.0))
+        cell.draw_frame(*arm.endeffector_pose)
+        cell.step(0.1)
+        cell.clear_drawings()
+        cell.step(0.1)
+        for wrong, said in (([[0.0, 0.0, 1.0]], "two points"), ([[0.0, 0.0, np.nan]] * 2, "finite")):
+            with pytest.raises(MisuseError, match=said):
+                cell.draw(wrong)
+        with pytest.raises(MisuseError, match="no work system `G99`"):
+            cell.draw(SLOT, frame="G99")
+    counts = [len(update.entities) for _, update in read_messages(tmp_path / "out" / "run.mcap", "/scene/drawn")]
+    assert counts == [1, 5, 0]
+
+
+def test_a_base_on_axes_is_moved_like_joints(tmp_path: Path) -> None:
+    """A robot on two rails and a turntable, as a vehicle would carry it."""
+    text = CELL.replace(
+        "frames:",
+        "externals:\n  agv:\n    carries: arm\n    axes:\n"
+        "      U: {travel: [-1 m, 1 m], speed: 1 m/s, acceleration: 1 m/s^2, direction: [1, 0, 0]}\n"
+        "      V: {travel: [-1 m, 1 m], speed: 1 m/s, acceleration: 1 m/s^2, direction: [0, 1, 0]}\nframes:",
+        1,
+    )
+    (tmp_path / "cell.yaml").write_text(text)
+    with gcodesim.open_cell(tmp_path / "cell.yaml") as cell:
+        arm = cell.robot()
+        names = [name for name in arm.joint_names if name.endswith(("U", "V"))]
+        before, _ = arm.endeffector_pose
+        arm.move_joints({names[0]: 0.4, names[1]: -0.3})
+        after, _ = arm.endeffector_pose
+        assert after - before == pytest.approx([0.4, -0.3, 0.0], abs=1e-9)
