@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Final
 from gcodesim.cli.output import note
 from gcodesim.diagnostics.plain import PlainStream
 from gcodesim.observation.spectator import Spectator
-from gcodesim.world.window import Window
+from gcodesim.world.window import BodyWindow
 
 if TYPE_CHECKING:
     from gcodesim.executor.track import Watcher
@@ -27,7 +27,7 @@ class ShownRun:
         """Open the window. `WorldUnavailable` where there is no screen, or no pybullet."""
         self._aside = _Aside()
         try:
-            self._window = Window()
+            self._window = BodyWindow()
         except BaseException:
             self._aside.end()
             raise

@@ -42,7 +42,7 @@ class _Look:
 
 
 class Screen(Protocol):
-    """What a spectator draws into; see `world.window.Window`."""
+    """What a spectator draws into; see `world.window.BodyWindow`."""
 
     @property
     def is_open(self) -> bool: ...

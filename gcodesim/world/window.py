@@ -22,7 +22,7 @@ _MOUSE_BUTTON, _LEFT, _PRESSED = 2, 0, 3
 _SHIFT: Final = 1 << 0
 
 
-class Window:
+class BodyWindow:
     """An open window. With `hidden` nothing is shown, for machines without a screen; everything else is the same.
 
     `WorldUnavailable` where pybullet or a screen is missing.

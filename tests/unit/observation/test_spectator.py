@@ -15,7 +15,7 @@ from gcodesim.jobs.job import Options
 from gcodesim.observation.spectator import Spectator
 from gcodesim.simulation import prepare, run
 from gcodesim.world import WorldUnavailable
-from gcodesim.world.window import Window, ray_through
+from gcodesim.world.window import BodyWindow, ray_through
 
 CELL = """\
 gcodesim: 1
@@ -40,8 +40,8 @@ def folder(tmp_path: Path) -> Path:
     return tmp_path
 
 
-def _shown(folder: Path, out: Path | None) -> tuple[Spectator, Window, list[str]]:
-    window, told, made = Window(hidden=True), [], []
+def _shown(folder: Path, out: Path | None) -> tuple[Spectator, BodyWindow, list[str]]:
+    window, told, made = BodyWindow(hidden=True), [], []
     job = prepare(SourceText.read(folder / "part.nc"), load_cell(folder / "cell.yaml"), Options())
 
     def show(job, inner):
@@ -125,7 +125,7 @@ def test_without_a_screen_it_is_told(
 ) -> None:
     monkeypatch.setenv("DISPLAY", display)
     with pytest.raises(WorldUnavailable, match="no screen"):
-        Window()
+        BodyWindow()
     assert (
         main(["run", str(folder / "part.nc"), "--cell", str(folder / "cell.yaml"), "--gui", "--out", str(folder / "o")])
         == 2
