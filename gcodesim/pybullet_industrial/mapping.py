@@ -37,7 +37,7 @@ _ONCE = f"each body is removed and returned once; {_RAY}"
 _PATHS = "`gcodesim.{}`: points as rows, other paths"
 
 COUNTERPARTS: Final[dict[str, Counterpart]] = {
-    "AGVRobot": Counterpart(),
+    "AGVRobot": Counterpart(ours="`externals:` whose axes carry a robot"),
     "DiffDriveAGV": Counterpart(differs="names of wheels that are missing are told with those that there are"),
     "CollisionChecker": Counterpart(ours="findings GS3xx of `check` and `run`, with the line and the depth"),
     "CollisionChecker.ignore_external_link_collision": Counterpart(
@@ -54,8 +54,8 @@ COUNTERPARTS: Final[dict[str, Counterpart]] = {
         differs="without orientation the tool keeps its own; the original fails there"
     ),
     "Extruder": Counterpart(ours="`type: extruder`: volume by flow and speed, into the stock"),
-    "Extruder.extrude": Counterpart(differs=_RAY),
-    "RayCaster": Counterpart(),
+    "Extruder.extrude": Counterpart(ours="`tool.extrude(path)` of a session", differs=_RAY),
+    "RayCaster": Counterpart(ours="`type: laser`, `jet`, `sand_blaster`: footprints along rays"),
     "Remover": Counterpart(ours="mills and drills, which remove what they sweep"),
     "Remover.remove": Counterpart(differs=_ONCE),
     "MillingTool": Counterpart(
@@ -65,14 +65,17 @@ COUNTERPARTS: Final[dict[str, Counterpart]] = {
     "MillingTool.force_model": Counterpart(
         differs="0 where nothing is cut or nothing moves; the original divides by 0 there"
     ),
-    "Gripper": Counterpart(),
-    "SuctionGripper": Counterpart(differs="a link that does not exist is a ValueError with all names"),
+    "Gripper": Counterpart(ours="`type: finger_gripper`"),
+    "SuctionGripper": Counterpart(
+        ours="`type: suction_gripper`: cups, pressure, leakage",
+        differs="a link that does not exist is a ValueError with all names",
+    ),
     "SuctionGripper.activate": Counterpart(
         differs="`tolerance` and `suction_links` count, and the robot that carries the gripper is never held; "
         "the original holds whatever is near"
     ),
     "SuctionGripper.deactivate": Counterpart(differs="may be called again; the original removes old constraints twice"),
-    "Camera": Counterpart(),
+    "Camera": Counterpart(ours="`sensors:` of a cell; `cell.camera(NAME).picture()`"),
     "GCodeProcessor": Counterpart(
         ours="`gcodesim run PROGRAM --cell CELL`; `gcodesim.read` for the path",
         differs="all functions of a code are called; the original calls the last one for each",
@@ -84,7 +87,7 @@ COUNTERPARTS: Final[dict[str, Counterpart]] = {
     "GCodeLogger": Counterpart(ours="`gcodesim export LOG --to csv`"),
     "GCodeSimplifier": Counterpart(),
     "GCodeSimplifier.apply_feedrate": Counterpart(),
-    "JointPath": Counterpart(),
+    "JointPath": Counterpart(ours="`arm.follow_joints(vectors)` of a session"),
     "ToolPath": Counterpart(
         ours="`gcodesim.ToolPath`: moves with feed and arcs; `moves()` and `of_moves()` convert",
         differs="besides, `moves` and `of_moves`",
@@ -111,20 +114,29 @@ COUNTERPARTS: Final[dict[str, Counterpart]] = {
     "planar_circular_interpolation": Counterpart(),
     "Particle": Counterpart(),
     "Plastic": Counterpart(ours="beads in the stock, which is milled and touched afterwards"),
-    "Paint": Counterpart(),
+    "Paint": Counterpart(ours="`type: spray_gun`: a film with thickness on stock and parts"),
     "Paint.get_position": Counterpart(
         differs="turns with a body that stood turned when it was painted; a drop on nothing stays where it is"
     ),
     "MetalVoxel": Counterpart(ours="`stock:` of a cell: columns with exact ends rather than cubes"),
     "spawn_material_block": Counterpart(ours="`stock: {box: …}`"),
     "RobotBase": Counterpart(ours="`robots:` of a cell; inverse kinematics in closed form"),
-    "RobotBase.set_joint_position": Counterpart(differs="nothing is driven if one of the joints is wrong"),
+    "RobotBase.set_joint_position": Counterpart(
+        ours="`arm.set_joint_position` of a session", differs="nothing is driven if one of the joints is wrong"
+    ),
     "RobotBase.reset_joint_position": Counterpart(differs="nothing is moved if one of the joints is wrong"),
-    "draw_coordinate_system": Counterpart(),
-    "draw_path": Counterpart(ours="the path in `run.mcap` and in the report"),
-    "draw_point": Counterpart(),
+    "draw_coordinate_system": Counterpart(ours="`cell.draw_frame` of a session"),
+    "draw_path": Counterpart(ours="the path in `run.mcap` and in the report; `cell.draw` of a session"),
+    "draw_point": Counterpart(ours="`cell.draw` of a session"),
     "draw_robot_frames": Counterpart(ours="the frames in `run.mcap`"),
-    "get_object_id_from_mouse": Counterpart(),
+    "get_object_id_from_mouse": Counterpart(ours="a click in `gcodesim run --gui`"),
+    "EndeffectorTool.apply_tcp_force": Counterpart(ours="`tool.apply_tcp_force` of a session; `load:` of a tool"),
+    "EndeffectorTool.apply_tcp_torque": Counterpart(ours="the same, by `torque`"),
+    "RobotBase.get_joint_state": Counterpart(ours="`arm.joint_state`"),
+    "RobotBase.get_endeffector_pose": Counterpart(ours="`arm.endeffector_pose`"),
+    "RobotBase.set_endeffector_pose": Counterpart(ours="`arm.set_endeffector_pose`"),
+    "ToolPath.append": Counterpart(ours="`ToolPath.append`, which returns a new path"),
+    "ToolPath.prepend": Counterpart(ours="`ToolPath.prepend`, which returns a new path"),
     "JOINT_KEY": Counterpart(),
     "BASE_LINK": Counterpart(),
     "MAX_DISTANCE_INTERNAL": Counterpart(),
