@@ -23,8 +23,8 @@ if TYPE_CHECKING:
     from gcodesim.executor.tasks import Only
     from gcodesim.jobs.meetings import Appointments
     from gcodesim.jobs.target_result import TargetResult
-    from gcodesim.material.skin import PaintedSkin
     from gcodesim.log.shapes import DrawnLine
+    from gcodesim.material.skin import PaintedSkin
     from gcodesim.planning import Plan
 
 KINEMATIC: Final = "kinematic"
