@@ -334,6 +334,8 @@ def _run(
             job.sensed = eyes.results
         for each, own in zip(job.all, (execution, *execution.others), strict=True):
             each.findings.extend(beyond_findings(each, own))
+        if only == "motion":
+            job.legs.tell_of_untouched_stock()
         drop_loose_pieces(job, execution)
         if job.cell.target is not None and only in (None, "shape"):
             from gcodesim.jobs.verification import verify

@@ -116,9 +116,9 @@ class Tasks:
         return self._tasks
 
     def _of(self, tool: Tool) -> Iterator[Task]:
-        if self.only == "motion":
-            return
         for task in self._all_of(tool):
+            if self.only == "motion" and PROCESSES[task.process.kind].acts_on != "parts":
+                continue  # what is carried moves, too
             yield task if self.only != "shape" else _shaping(task)
 
     def _all_of(self, tool: Tool) -> Iterator[Task]:

@@ -39,7 +39,7 @@ _BEGINNINGS: Final[Mapping[str, tuple[tuple[int, bytes], ...]]] = {
     ".csv": ((0, b"file,line,time_s,"),),
     TABLE_OF_READINGS: ((0, b"reading,time_s,"),),
     ".stl": ((0, b"gcodesim binary STL"),),
-    ".stock": ((0, b"gcodesim-stock/"),),
+    ".stock": ((0, b"gcodesim-"),),  # of blocks and of turned bars
     SKIN_SUFFIX: ((0, b"ply\nformat binary_little_endian 1.0\ncomment gcodesim skin"),),
     ".film.ply": ((0, b"ply\nformat binary_little_endian 1.0\ncomment gcodesim film"),),
     ".film.csv": ((0, b"x_mm,y_mm,z_mm,nx,ny,nz,area_mm2,film_um"),),

@@ -75,3 +75,22 @@ def test_what_goes_against_each_other(cli) -> None:
     for rest in (("--world", "bullet"), ("--live", "0")):
         told = cli("run", "slot.nc", "--cell", "cell.yaml", "--only", "shape", *rest)
         assert told.status == 2 and "which --only shape leaves out" in told.err
+
+
+def test_parts_are_carried_although_nothing_is_cut(cli, tmp_path: Path) -> None:
+    top = Path(__file__).resolve().parents[2]
+    program, cell = top / "programs" / "palletising.nc", top / "cells" / "palletising.yaml"
+    told = cli("run", str(program), "--cell", str(cell), "--only", "motion")
+
+    assert told.status == 0, told.out
+    assert all(part["error_from"] == "goal" for part in results(tmp_path / "out")["parts"].values())
+
+
+def test_a_turned_stock_of_an_earlier_run_may_be_overwritten(tmp_path: Path) -> None:
+    from gcodesim.diagnostics import Span
+    from gcodesim.files.output_folder import overwriting
+
+    for name, raw in (("a.stock", b"gcodesim-stock/1\n"), ("b.stock", b"gcodesim-revolved/1\n"), ("c.stock", b"mine")):
+        (tmp_path / name).write_bytes(raw)
+    lost = overwriting(tmp_path, ["a.stock", "b.stock", "c.stock"], [], Span("x.nc"))
+    assert len(lost) == 1 and "c.stock" in lost[0].message
