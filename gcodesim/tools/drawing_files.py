@@ -10,7 +10,7 @@ from typing import Final
 
 from gcodesim.kinematics.xml_lines import LinedElement, XmlError, parse_xml
 from gcodesim.solids.turned import Point
-from gcodesim.tools.outline_file import Arc, DrawingError, Stroke, bulged, turned_about
+from gcodesim.tools.outline_file import DrawingError, Stroke, StrokeArc, bulged, turned_about
 from gcodesim.units import DEG, INCH, MM
 
 _DXF_UNITS: Final = {0: MM, 1: INCH, 4: MM, 5: 10.0 * MM, 6: 1.0, 13: 1e-6}  # $INSUNITS of DXF
@@ -233,7 +233,7 @@ class _Pen:
             ccw = sweep == 0.0  # y points down
             side = aside if (large == 0.0) == ccw else -aside
             centre = (0.5 * (ax + bx) - side * (by - ay), 0.5 * (ay + by) + side * (bx - ax))
-            self._strokes.append(Stroke((ax, ay), (bx, by), Arc(centre, ccw)))
+            self._strokes.append(Stroke((ax, ay), (bx, by), StrokeArc(centre, ccw)))
         self._at = end
 
     def _up(self, point: Point) -> Point:

@@ -23,7 +23,7 @@ class DrawingError(Exception):
     """A drawing that is no outline; the text says why."""
 
 
-class Arc(NamedTuple):
+class StrokeArc(NamedTuple):
     """The circle that a stroke follows."""
 
     centre: Point
@@ -36,11 +36,11 @@ class Stroke:
 
     start: Point
     end: Point
-    arc: Arc | None = None
+    arc: StrokeArc | None = None
 
     @property
     def reversed(self) -> Stroke:
-        arc = None if self.arc is None else Arc(self.arc.centre, not self.arc.ccw)
+        arc = None if self.arc is None else StrokeArc(self.arc.centre, not self.arc.ccw)
         return Stroke(self.end, self.start, arc)
 
     @property
@@ -61,7 +61,7 @@ def bulged(start: Point, end: Point, bulge: float) -> Stroke:
         0.5 * (start[0] + end[0]) - aside * along[1],
         0.5 * (start[1] + end[1]) + aside * along[0],
     )
-    return Stroke(start, end, Arc(centre, bulge > 0.0))
+    return Stroke(start, end, StrokeArc(centre, bulge > 0.0))
 
 
 def turned_about(centre: Point, radius: float, begin: float, end: float) -> list[Stroke]:
@@ -69,7 +69,7 @@ def turned_about(centre: Point, radius: float, begin: float, end: float) -> list
     turn = (end - begin) % _TURN or _TURN
     parts = 2 if turn > 0.75 * _TURN else 1
     ends = [_on(centre, radius, begin + turn * k / parts) for k in range(parts + 1)]
-    return [Stroke(a, b, Arc(centre, True)) for a, b in itertools.pairwise(ends)]
+    return [Stroke(a, b, StrokeArc(centre, True)) for a, b in itertools.pairwise(ends)]
 
 
 _TURN: Final = 8.0 * float(atan2(1.0, 1.0))
