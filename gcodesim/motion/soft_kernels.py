@@ -38,7 +38,7 @@ class SoftCaps(NamedTuple):
     fixed: Column
 
 
-class Law(NamedTuple):
+class SpanLaw(NamedTuple):
     """A trapezoid law over one span: (p,) columns of its phases, in place, speed, acceleration and duration."""
 
     place: Column
@@ -92,7 +92,7 @@ def least_caps(begin: Column, end: Column, cap: Column, knots: Column) -> Column
 
 
 @kernel
-def law_of(begin: Column, end: Column, speed: Column, acceleration: Column) -> Law:
+def law_of(begin: Column, end: Column, speed: Column, acceleration: Column) -> SpanLaw:
     """The fastest trapezoid law from rest to rest under the caps of zones (z,), from their least place to the last."""
     both = np.sort(np.concatenate((begin, end)))
     kept = np.empty(len(both))
@@ -109,11 +109,11 @@ def law_of(begin: Column, end: Column, speed: Column, acceleration: Column) -> L
     cell, duration, place, rate, change = trapezoids(length, v, a, v0, v1, moving)
     for p in range(len(cell)):
         place[p] += knots[cell[p]]
-    return Law(place, rate, change, duration)
+    return SpanLaw(place, rate, change, duration)
 
 
 @kernel
-def next_top(law: Law, p: int, window: float) -> tuple[int, int, float]:
+def next_top(law: SpanLaw, p: int, window: float) -> tuple[int, int, float]:
     """From phase `p` on: phases before and behind the next top that is left again within the window, and its time.
 
     −1, −1: there is none.
@@ -133,7 +133,7 @@ def next_top(law: Law, p: int, window: float) -> tuple[int, int, float]:
 
 
 @kernel
-def lowered_tops(law: Law, window: float, zones: Column) -> int:
+def lowered_tops(law: SpanLaw, window: float, zones: Column) -> int:
     """Zones (z, 3), from, to, speed, that keep the law even at its tops for as long as the window; their number."""
     count, p = 0, 0
     while True:
@@ -155,7 +155,7 @@ def lowered_tops(law: Law, window: float, zones: Column) -> int:
 
 
 @kernel
-def span_law(caps: SoftCaps, first: int, end: int, window: float, share: float) -> tuple[Law, bool]:
+def span_law(caps: SoftCaps, first: int, end: int, window: float, share: float) -> tuple[SpanLaw, bool]:
     """The trapezoid law of a span, whose average over `window` keeps all caps; whether its tops are long enough.
 
     Accelerations are at most what jerk builds up within `share` of the window.
@@ -195,7 +195,7 @@ def span_law(caps: SoftCaps, first: int, end: int, window: float, share: float) 
 
 
 @kernel
-def averaged(law: Law, window: float, caps: SoftCaps, first: int, end: int, out: Column, count: int) -> int:
+def averaged(law: SpanLaw, window: float, caps: SoftCaps, first: int, end: int, out: Column, count: int) -> int:
     """Write the phases of the average of a law over `window` into `out` from `count` on, cut where pieces end.
 
     Returns how many there are then; −1: `out` has no room.
