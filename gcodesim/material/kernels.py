@@ -17,7 +17,16 @@ from gcodesim.material.field_kernels import (
 )
 from gcodesim.material.form_kernels import remove_form, touch_form
 from gcodesim.material.pass_kernels import PassPieces
-from gcodesim.material.place_kernels import ELSEWHERE, Places, ToColumns, ask_places, share_between, to_columns
+from gcodesim.material.place_kernels import (
+    ELSEWHERE,
+    Places,
+    Spots,
+    ToColumns,
+    ask_places,
+    ask_spots,
+    share_between,
+    to_columns,
+)
 from gcodesim.material.query_kernels import (
     difference,
     fill_slices,
@@ -43,9 +52,11 @@ __all__ = [
     "PassPieces",
     "Places",
     "Shape",
+    "Spots",
     "ToColumns",
     "add_bead",
     "ask_places",
+    "ask_spots",
     "beyond_columns",
     "breadth_along",
     "coarsest",

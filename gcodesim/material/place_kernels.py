@@ -12,12 +12,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.compiled import kernel
-from gcodesim.material.field_kernels import Field
+from gcodesim.material.field_kernels import Field, Grid
 from gcodesim.material.query_kernels import occupancy, surrounding
 
 Array = NDArray[np.float64]
 
 ELSEWHERE = -1.0  # not a share: the place has to be asked separately
+OUTSIDE = 1.0e-6  # columns beyond the outermost from which on there is none, however a place is rounded
 
 
 class ToColumns(NamedTuple):
@@ -80,6 +81,7 @@ def read_single(
     """`ask_places` for columns with one interval each."""
     us, vs, ups = places
     last_i, last_j, row = np.float64(nx - 2), np.float64(ny - 2), np.uint64(ny)
+    before, beyond_i, beyond_j = -1.0 - OUTSIDE, nx + OUTSIDE, ny + OUTSIDE
     scale = 1.0 / (top - bottom)
     for k in range(share.shape[0]):
         u, v = min(max(us[k], 0.0), last_i), min(max(vs[k], 0.0), last_j)
@@ -96,18 +98,73 @@ def read_single(
         far = (1.0 - wx) * max(min(hi[a], z1) - max(lo[a], z0), 0.0)
         far += wx * max(min(hi[b], z1) - max(lo[b], z0), 0.0)
         full = scale * ((1.0 - wy) * near + wy * far)
-        share[k] = full if u == us[k] and v == vs[k] else ELSEWHERE
+        outside = (us[k] < before) | (us[k] > beyond_i) | (vs[k] < before) | (vs[k] > beyond_j)
+        inside = (u == us[k]) & (v == vs[k])
+        share[k] = full if inside else (0.0 if outside else ELSEWHERE)
 
 
 @kernel(lean=True, inlined=True)
 def ask_places(columns: ToColumns, places: Places, bottom: float, top: float, share: Array) -> None:
     """Share (n,) of bottom..top [m], raised by `ups`, that is material at places between column centres.
 
-    ELSEWHERE at places that have no four columns around them, and everywhere when columns have more than one interval
-    or the stock is a single row.
+    ELSEWHERE at places that have some columns around them, but not four, and everywhere when columns have more than one
+    interval or the stock is a single row.
     """
     nx, ny = columns.nx, columns.ny
     if columns.lo.size == nx * ny and nx > 1 and ny > 1:  # nearly always
         read_single(columns.lo, columns.hi, nx, ny, places, bottom, top, share)
     else:
         share[:] = ELSEWHERE
+
+
+class Spots(NamedTuple):
+    """Places (n,) x, y, and the heights there from bottom to top, all [m]."""
+
+    xs: Array
+    ys: Array
+    bottoms: Array
+    tops: Array
+
+
+@kernel(lean=True)
+def read_spots(lo: Array, hi: Array, nx: int, ny: int, grid: Grid, spots: Spots, share: Array) -> bool:
+    """`ask_spots` for columns with one interval each."""
+    xs, ys, bottoms, tops = spots
+    gx, gy, dx, dy = grid
+    last_i, last_j, row = np.float64(nx - 2), np.float64(ny - 2), np.uint64(ny)
+    before, beyond_i, beyond_j = -1.0 - OUTSIDE, nx + OUTSIDE, ny + OUTSIDE
+    unknown = np.uint8(0)
+    for k in range(share.shape[0]):
+        u, v = (xs[k] - gx) / dx - 0.5, (ys[k] - gy) / dy - 0.5
+        near_u, near_v = min(max(u, 0.0), last_i), min(max(v, 0.0), last_j)
+        i, j = np.uint64(near_u), np.uint64(near_v)
+        wx, wy = near_u - np.float64(i), near_v - np.float64(j)
+        a = i * row + j
+        b = a + row
+        c, d = a + np.uint64(1), b + np.uint64(1)
+        z0, z1 = bottoms[k], tops[k]
+        at_a = max(min(hi[a], z1) - max(lo[a], z0), 0.0)
+        at_b = max(min(hi[b], z1) - max(lo[b], z0), 0.0)
+        at_c = max(min(hi[c], z1) - max(lo[c], z0), 0.0)
+        at_d = max(min(hi[d], z1) - max(lo[d], z0), 0.0)
+        full = ((1.0 - wy) * ((1.0 - wx) * at_a + wx * at_b) + wy * ((1.0 - wx) * at_c + wx * at_d)) / (z1 - z0)
+        known = np.uint8(u == near_u) & np.uint8(v == near_v)
+        known &= np.uint8(hi[a] > lo[a]) & np.uint8(hi[b] > lo[b]) & np.uint8(hi[c] > lo[c]) & np.uint8(hi[d] > lo[d])
+        outside = np.uint8(u < before) | np.uint8(u > beyond_i) | np.uint8(v < before) | np.uint8(v > beyond_j)
+        share[k] = full if known else (0.0 if outside else ELSEWHERE)
+        unknown |= np.uint8(1) - (known | outside)
+    return bool(unknown > 0)
+
+
+@kernel(lean=True, inlined=True)
+def ask_spots(field: Field, spots: Spots, share: Array) -> bool:
+    """`share_between` for many places (n,), to the bit; whether any is ELSEWHERE.
+
+    It is where not each of the four columns around has one interval, and everywhere when columns have room for more.
+    """
+    lo, hi, count = field.columns
+    nx, ny = count.shape
+    if lo.size == nx * ny and nx > 1 and ny > 1:  # nearly always
+        return read_spots(lo.reshape(lo.size), hi.reshape(hi.size), nx, ny, field.grid, spots, share)
+    share[:] = ELSEWHERE
+    return True

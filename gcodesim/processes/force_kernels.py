@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from gcodesim.arithmetic.power_kernels import power
 from gcodesim.compiled import kernel
 from gcodesim.material.kernels import Field, coarsest
-from gcodesim.processes.engagement_kernels import (
+from gcodesim.processes.edge_kernels import (
     ANGLES,
     ARC,
     COS_KAPPA,
@@ -33,11 +33,9 @@ from gcodesim.processes.engagement_kernels import (
     UPRIGHT,
     Circle,
     Heading,
-    Room,
-    contact_of_cylinder,
-    contact_of_rows,
     lay_rows,
 )
+from gcodesim.processes.engagement_kernels import Room, contact_of_cylinder, contact_of_rows
 
 Array = NDArray[np.float64]
 

@@ -279,7 +279,7 @@ class Milling(Process):
 
     @property
     def _teeth(self) -> Teeth:
-        from gcodesim.processes.engagement_kernels import ANGLES, Circle
+        from gcodesim.processes.edge_kernels import ANGLES, Circle
         from gcodesim.processes.force_kernels import TABLE, ForceLaw, Teeth, power_table
 
         cutter = self.cutter
@@ -302,8 +302,10 @@ class Milling(Process):
     @cached_property
     def _room(self) -> Room:
         from gcodesim.material.kernels import Places
-        from gcodesim.processes.engagement_kernels import ANGLES, COLUMNS, LEAST_PIECES, SLICES, Room
+        from gcodesim.processes.edge_kernels import ANGLES, COLUMNS, LEAST_PIECES, SLICES
+        from gcodesim.processes.engagement_kernels import Room
         from gcodesim.processes.force_kernels import SUMS
+        from gcodesim.processes.seam_kernels import NUMBERS, PLACES, SEAMS, Seams
 
         rows = SLICES * max(LEAST_PIECES, len(self.cutter.edge))
         return Room(
@@ -316,6 +318,7 @@ class Milling(Process):
             share=np.zeros(ANGLES),
             places=Places(np.zeros(ANGLES), np.zeros(ANGLES), np.zeros(ANGLES)),
             turning=np.zeros((4, 3 * ANGLES + 1)),
+            seams=Seams(np.zeros((PLACES, SEAMS), dtype=np.int64), np.zeros((NUMBERS, SEAMS))),
         )
 
 

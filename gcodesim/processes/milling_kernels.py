@@ -32,7 +32,8 @@ from gcodesim.material.kernels import (
     touch_form,
     touch_piece,
 )
-from gcodesim.processes.engagement_kernels import Heading, Room
+from gcodesim.processes.edge_kernels import Heading
+from gcodesim.processes.engagement_kernels import Room
 from gcodesim.processes.force_kernels import (
     CHIP,
     DEPTH,

@@ -20,7 +20,7 @@ from gcodesim.arithmetic.atan_kernels import atan2
 from gcodesim.arithmetic.power_kernels import power
 from gcodesim.arithmetic.sin_kernels import cos_sin
 from gcodesim.compiled import kernel
-from gcodesim.processes.engagement_kernels import (
+from gcodesim.processes.edge_kernels import (
     ANGLES,
     COS_KAPPA,
     EDGE_WIDTH,
@@ -31,8 +31,8 @@ from gcodesim.processes.engagement_kernels import (
     TO,
     Array,
     Heading,
-    Room,
 )
+from gcodesim.processes.engagement_kernels import Room
 from gcodesim.processes.force_kernels import AXIAL, NORMAL, TANGENTIAL, TORQUE, Teeth
 
 LEAST, MOST = 1.0e-3, 4.0  # range of advance over feed for which chips are computed

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from gcodesim.material.stock import Stock
-from gcodesim.processes.engagement_kernels import Heading
+from gcodesim.processes.edge_kernels import Heading
 from gcodesim.processes.force_kernels import RESULT, TORQUE, cutting_force
 from gcodesim.processes.laws import LinearEdge
 from gcodesim.processes.milling import Milling
