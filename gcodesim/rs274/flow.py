@@ -359,10 +359,7 @@ class FlowControl:
     def _return(self, flow: Flow) -> None:
         control = self.control
         value = loose(flow.operands[0], control.parameters) if flow.operands else None
-        frame = self.frames.pop()
-        control.parameters.set_first(frame.arguments)
-        control.parameters.locals = frame.named
-        self._leave(frame)
+        self.leave()
         control.returned = value or 0.0
         control.value_returned = value is not None
 
@@ -386,6 +383,21 @@ class FlowControl:
         control.parameters.locals = {}
         control.parameters.set_first((*arguments, *NO_ARGUMENTS[len(arguments) :]))
         control.returned, control.value_returned = 0.0, False
+
+    def enter_contour(self, number: int, index: int) -> None:
+        """Go into the subroutine with the contour of a cycle, as a call without arguments from line `index`."""
+        file, first = self._find(str(number), index, by_m98=False)
+        self._enter(file, first, str(number), index)
+        frame = self.frame
+        frame.arguments, frame.named = self.control.parameters.first(), self.control.parameters.locals
+        self.control.parameters.locals = {}
+
+    def leave(self) -> None:
+        """Out of a subroutine before its end."""
+        frame = self.frames.pop()
+        self.control.parameters.set_first(frame.arguments)
+        self.control.parameters.locals = frame.named
+        self._leave(frame)
 
     def _was_read(self, file: ProgramFile, first: int) -> bool:
         """Whether a subroutine need not be called: after a fault each is read once, for its own faults."""

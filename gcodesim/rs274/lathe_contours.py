@@ -1,22 +1,48 @@
 """LinuxCNC's G70, G71 and G72: cycles along a contour that stands in a subroutine.
 
-`G71 Q100 X22 Z2 D0.4 I1.5 R0.5`: from X22 Z2 cuts of I, each ended by an escape R, D beside the contour of O100.
-`G70 Q100 X22 Z2 D0 E0 P1`: along the contour itself, in P passes from D beside it to E.
+`G71 Q100 X22 Z2 D0.4 I1.5 R0.5`: from X22 Z2 passes of depth I with an escape R, and along what is D beside the contour
+of O100. `G70 Q100 X22 Z2 D0.5 E0 P2`: along the contour in P passes, the last of which is E beside it.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 
+from gcodesim.frozen import frozen
 from gcodesim.rs274.arcs import arc
 from gcodesim.rs274.control import Control
 from gcodesim.rs274.fault import Fault
-from gcodesim.rs274.roughing import ContourMove, Point, beside, chords, passes
+from gcodesim.rs274.lathe_outline import CLOSE, Point, Stretch, beside, goes_ahead
+from gcodesim.rs274.lathe_passes import Passes
+from gcodesim.rs274.roughing import ContourMove
 from gcodesim.rs274.words import Words
 
 _UNITS = {700: "inches are G20", 710: "millimetres are G21"}
 _MOTIONS = {0: 0, 10: 0, 20: -1, 30: 1}
+
+
+@frozen(kw_only=False)
+class HalfPlane:
+    """The half plane of a cycle: passes go ahead in `a`, and `b` points out of the work; seen from (z, x)."""
+
+    swap: bool  # a = x, b = z
+    a_sign: float
+    b_sign: float
+
+    def seen(self, point: Point) -> Point:
+        """(z, x) as (a, b)."""
+        z, x = point
+        return (self.a_sign * x, self.b_sign * z) if self.swap else (self.a_sign * z, self.b_sign * x)
+
+    def back(self, point: Point) -> Point:
+        """(a, b) as (z, x)."""
+        a, b = point
+        return (self.b_sign * b, self.a_sign * a) if self.swap else (self.a_sign * a, self.b_sign * b)
+
+    @property
+    def turn(self) -> int:
+        """-1 where it sees arcs the other way round."""
+        return round(self.a_sign * self.b_sign) * (-1 if self.swap else 1)
 
 
 def contour_cycle(words: Words, control: Control, code: int) -> None:
@@ -27,7 +53,6 @@ def contour_cycle(words: Words, control: Control, code: int) -> None:
         if code in _UNITS and {"x", "z"}.isdisjoint(words.values):  # on other controls they choose the unit
             raise Fault("GS915", f"{who} is not simulated without Q: a cycle of lathes ({_UNITS[code]})", at=at)
         raise Fault("GS105", f"{who} needs the word Q, the number of the subroutine with the contour", at=at)
-    number = words.values["q"]
     if state.plane != 180:
         raise Fault("GS106", f"{who} works in the XZ plane only", hint="say G18 before")
     depth, escape, aside = values.get("i", 1.0), values.get("r", 0.5), values.get("d", 0.0)
@@ -37,23 +62,28 @@ def contour_cycle(words: Words, control: Control, code: int) -> None:
     incremental, absolute = state.incremental, state.centre_absolute
     if incremental:
         x, z = (now + values.get(letter, 0.0) for now, letter in ((state.current[0], "x"), (state.current[2], "z")))
-    _go(control, words, z, x, rapid=True)
-    moves = _contour(control, round(number), (z, x), who)
-    start = (z, x)
+    _go(control, (z, x), rapid=True)
+    moves = _contour(control, round(words.values["q"]), (z, x), who)
     state.incremental, state.centre_absolute = False, False
     try:
         if code == 700:
-            _finish(words, control, start, moves, aside)
+            _finish(words, control, (z, x), moves, aside)
         else:
             shift = (values.get("w", 0.0), values.get("u", 0.0) * (0.5 if state.diameter else 1.0))
-            _rough(words, control, code, start, moves, (depth, escape, aside), shift)
+            plane, start, outline = _outline(moves, (z, x), who, shift, swap=code // 10 == 72)
+            _go(control, plane.back(start), rapid=True)
+            left = beside(outline, aside)
+            if not left:
+                raise Fault("GS106", f"D{aside:g} leaves nothing of the contour of {who}", at="d")
+            for move in Passes(depth, escape, code % 10).along(start, left):
+                _follow(words, control, plane, move)
     finally:
         state.incremental, state.centre_absolute = incremental, absolute
 
 
 def _contour(control: Control, number: int, start: Point, who: str) -> list[ContourMove]:
     state = control.state
-    here, motion = start, 0
+    here, motion, kept = start, 0, state.current
     moves: list[ContourMove] = []
     for words in control.contours(number):
         values = words.values
@@ -72,6 +102,8 @@ def _contour(control: Control, number: int, start: Point, who: str) -> list[Cont
         else:
             moves.append(ContourMove(end, centre=_centre(control, here, end, values, sense), sense=sense))
         here = end
+        state.current = (here[1], kept[1], here[0], *kept[3:])  # what #<_x> reads in the contour
+    state.current = kept
     if len(moves) < 2:
         raise Fault("GS106", f"O{number} holds no contour for {who}: it has fewer than two moves", at="q")
     return moves
@@ -93,71 +125,70 @@ def _centre(control: Control, start: Point, end: Point, values: dict[str, float]
     return start[0] + values.get("k", 0.0), start[1] + values.get("i", 0.0)
 
 
-def _rough(
-    words: Words,
-    control: Control,
-    code: int,
-    start: Point,
-    moves: Sequence[ContourMove],
-    sizes: tuple[float, float, float],
-    shift: Point,
-) -> None:
-    depth, escape, aside = sizes
-    points = [(z + shift[0], x + shift[1]) for z, x in chords(start, moves)[1:]]
-    swap = code // 10 == 72
-    inside = not swap and points[-1][1] < points[0][1] and start[1] <= points[-1][1] + 1e-9
+def _outline(
+    moves: list[ContourMove], start: Point, who: str, shift: Point, *, swap: bool
+) -> tuple[HalfPlane, Point, list[Stretch]]:
+    """The half plane of a cycle; in it the point from which it starts, and the contour, which goes ahead.
 
-    def turned(point: Point) -> Point:
-        z, x = point
-        return (x, z) if swap else (z, -x if inside else x)
+    The contour goes out of the work, from its first point to its last; for G70 the start is outside. A start that is
+    not before the contour moves there.
+    """
+    points = [(move.end[0] + shift[0], move.end[1] + shift[1]) for move in moves]
+    a, b = (1, 0) if swap else (0, 1)
+    far, near = points[-1][b] - points[0][b], start[b] - points[0][b]
+    first, second = (near, far) if who == "G70" else (far, near)
+    up = first if abs(first) > CLOSE else second
+    plane = HalfPlane(swap, math.copysign(1.0, points[-1][a] - points[0][a]), math.copysign(1.0, up))
+    seen = [plane.seen(point) for point in points]
+    outline = [
+        Stretch(
+            begin,
+            end,
+            False,
+            plane.seen((move.centre[0] + shift[0], move.centre[1] + shift[1])),
+            move.sense * plane.turn,
+        )
+        for begin, end, move in zip(seen, seen[1:], moves[1:], strict=False)
+    ]
+    for stretch in outline:
+        if not goes_ahead(stretch):
+            raise Fault(
+                "GS106",
+                f"the contour of {who} turns back in {'X' if swap else 'Z'}",
+                hint="it has to go on in one direction, from its first point to its last",
+            )
+    begin = plane.seen(start)
+    return plane, (min(begin[0], seen[0][0]), begin[1]), outline
 
-    around = beside([turned(p) for p in points], aside)
-    for rapid, a, b in passes(around, turned(start), depth, escape, pockets=code % 10 != 1):
-        z, x = (b, a) if swap else (a, -b if inside else b)
-        _go(control, words, z, x, rapid=rapid)
-    _go(control, words, *start, rapid=True)
-    if code % 10 != 1:
-        for number, (a, b) in enumerate(around):
-            z, x = (b, a) if swap else (a, -b if inside else b)
-            _go(control, words, z, x, rapid=number == 0)
-        _go(control, words, *start, rapid=True)
 
-
-def _finish(words: Words, control: Control, start: Point, moves: Sequence[ContourMove], first: float) -> None:
+def _finish(words: Words, control: Control, start: Point, moves: list[ContourMove], first: float) -> None:
     last = words.values.get("e", 0.0)
-    count = words.whole("p", "G70") or 1
-    for k in range(count):
-        off = first if count == 1 else first + (last - first) * k / (count - 1)
-        if off:
-            for number, (z, x) in enumerate(beside(chords(start, moves)[1:], off)):
-                _go(control, words, z, x, rapid=number == 0)
-        else:
-            _follow(words, control, moves)
-        if k < count - 1:
-            _go(control, words, *start, rapid=True)
+    count = words.whole("p", "G70") if "p" in words.values else 1
+    plane, begin, outline = _outline(moves, start, "G70", (0.0, 0.0), swap=False)
+    for k in range(count, 0, -1):
+        _go(control, plane.back(begin), rapid=True)
+        around = beside(outline, last + (first - last) * (k - 1) / count)
+        if around:
+            _go(control, plane.back(around[0].begin), rapid=True)
+        for move in around:
+            _follow(words, control, plane, move)
 
 
-def _follow(words: Words, control: Control, moves: Sequence[ContourMove]) -> None:
-    for number, move in enumerate(moves):
-        if not move.sense:
-            _go(control, words, *move.end, rapid=move.rapid or number == 0)
-            continue
-        now = control.state.current
-        block = Words(words.block)
-        block.values = {
-            "x": move.end[1],
-            "z": move.end[0],
-            "i": move.centre[1] - now[0],
-            "k": move.centre[0] - now[2],
-        }
-        arc(block, control, 30 if move.sense > 0 else 20)
+def _follow(words: Words, control: Control, plane: HalfPlane, move: Stretch) -> None:
+    end = plane.back(move.end)
+    if not move.sense:
+        _go(control, end, rapid=move.rapid)
+        return
+    now, (z, x) = control.state.current, plane.back(move.centre)
+    block = Words(words.block)
+    block.values = {"x": end[1], "z": end[0], "i": x - now[0], "k": z - now[2]}
+    arc(block, control, 30 if move.sense * plane.turn > 0 else 20)
 
 
-def _go(control: Control, words: Words, z: float, x: float, *, rapid: bool) -> None:
-    del words
+def _go(control: Control, end: Point, *, rapid: bool) -> None:
     now = control.state.current
-    end = (x, now[1], z, *now[3:])
+    target = (end[1], now[1], end[0], *now[3:])
     if rapid:
-        control.rapid(end)
+        control.rapid(target)
     else:
-        control.line(end)
+        control.line(target)

@@ -99,29 +99,3 @@ def _free(contour: Sequence[Point], level: float, begin: float, ahead: float) ->
     if at is not None and (beyond - at) * ahead > _CLOSE:
         ways.append((at, beyond))
     return ways
-
-
-def beside(contour: Sequence[Point], distance: float) -> list[Point]:
-    """A contour moved by `distance` across itself, towards greater b; corners are mitred.
-
-    Parts that the distance turns round, as of a fillet with a smaller radius, are left out.
-    """
-    if not distance:
-        return list(contour)
-    points = [contour[0]]
-    for point in contour[1:]:
-        if math.hypot(point[0] - points[-1][0], point[1] - points[-1][1]) > _CLOSE:
-            points.append(point)
-    side = 1.0 if points[-1][0] >= points[0][0] else -1.0
-    ways = [(q[0] - p[0], q[1] - p[1]) for p, q in pairwise(points)]
-    normals = [(-side * db / math.hypot(da, db), side * da / math.hypot(da, db)) for da, db in ways]
-    moved: list[Point] = []
-    for k, (a, b) in enumerate(points):
-        n, m = normals[max(k - 1, 0)], normals[min(k, len(normals) - 1)]
-        share = distance / max(0.25, 1.0 + n[0] * m[0] + n[1] * m[1])
-        moved.append((a + share * (n[0] + m[0]), b + share * (n[1] + m[1])))
-    kept = [moved[0]]
-    for way, point in zip(ways, moved[1:], strict=True):
-        if (point[0] - kept[-1][0]) * way[0] + (point[1] - kept[-1][1]) * way[1] > 0.0:
-            kept.append(point)
-    return kept

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 import time
 from collections.abc import Generator, Iterable, Iterator
 from pathlib import Path
@@ -39,6 +38,7 @@ from gcodesim.rs274.watch.structure import structure_findings, unclosed_findings
 from gcodesim.rs274.words import Words, place_of, read_words
 
 Feedback = canon.Answer | canon.Axes | None
+_MOST_OF_CONTOUR = 1000  # blocks
 _CHECK_CLOCK_EVERY = 4096
 # blocks that a program may execute, by the dialect's speed, and events; so many, and so many a line
 _MOST_BLOCKS, _MOST_SLOW_BLOCKS, _MOST_EVENTS, _MOST_ROUNDS = 20_000_000, 1_000_000, 2_000_000, 10
@@ -315,21 +315,41 @@ class Executor:
         return words
 
     def _contour(self, number: int) -> Iterator[Words]:
-        """The blocks of subroutine O`number` of the main file, which hold the contour of a cycle."""
-        begin = re.compile(rf"\s*O\s*0*{number}\s+SUB\b", re.IGNORECASE)
-        end = re.compile(rf"\s*O\s*0*{number}\s+ENDSUB\b", re.IGNORECASE)
-        lines = self.file.lines
-        first = next((index for index, line in enumerate(lines) if begin.match(line)), None)
-        if first is None:
-            raise Fault("GS106", f"there is no subroutine O{number} in this file", at="q")
-        for index in range(first + 1, len(lines)):
-            if end.match(lines[index]):
-                return
-            block = self.file.block(index)
-            if block.flow is not None or block.settings:
-                raise Fault("GS106", f"the contour O{number} may hold moves only (line {index + 1})", at="q")
-            if block.words:
-                yield self._words(block)
+        """The blocks of subroutine O`number`, which holds the contour of a cycle, as they come when it is called."""
+        flow, control = self.flow, self.control
+        depth, left = len(flow.frames), _MOST_OF_CONTOUR
+        flow.enter_contour(number, flow.frame.at - 1)
+        try:
+            while len(flow.frames) > depth:
+                frame, index = flow.frame, flow.frame.at
+                if index >= len(frame.file.lines):
+                    raise Fault("GS130", f"the contour O{number} has no `endsub`", at="q")
+                frame.at = index + 1
+                left -= 1
+                if left < 0:
+                    raise Fault("GS106", f"the contour O{number} has more than {_MOST_OF_CONTOUR} blocks")
+                block = frame.file.block(index)
+                if block.deleted and self.settings.block_delete:
+                    continue
+                if block.flow is not None:
+                    flow.execute(block.flow, index)
+                    continue
+                words = self._words(block)
+                for name, value, _place in _evaluated(block, control.parameters):
+                    if isinstance(name, str):
+                        control.parameters.set_named(name, value)
+                    else:
+                        control.parameters.set_by_program(name, value)
+                if block.words:
+                    yield words
+        except Fault as fault:
+            here = flow.frame
+            if len(flow.frames) > depth:
+                fault.message += f" (line {here.at} of {here.file.name}, in the contour)"
+                fault.at = "q"
+            while len(flow.frames) > depth:
+                flow.leave()
+            raise
 
     def _execute(self, words: Words, index: int) -> None:
         control = self.control

@@ -155,7 +155,7 @@ EXPLAINED: tuple[Explanation, ...] = (
         lambda case: re.search(r"Bad character '[uvw]' used", case.verdict.message, re.IGNORECASE) is not None,
     ),
     Explanation(
-        "the cycles of lathes G70, G71 and G72 are not simulated: refused here",
+        "G70, G71 and G72 without Q, which choose units on other controls, are refused by another message here",
         lambda case: (
             re.search(r"refused.*GS012 G7[012]|does not end", case.found) is not None
             and case.says(r"G\s*7\s*[012](?!\d)")
