@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from gcodesim.arithmetic.matrices import dots, norms
+from gcodesim.executor.accuracy_kernels import to_chords
 from gcodesim.frames import Array
 
 if TYPE_CHECKING:
@@ -74,16 +74,6 @@ class PathAccuracy:
 
 def distances(points: Array, way: Array, first: int) -> Array:
     """Distance (n,) [m] of each point (n, 3) from the last `BEHIND` chords of a way (first + n, 3) before its end."""
-    n = len(points)
-    nearest = norms(points - way[first : first + n])
-    chords = way[1:] - way[:-1]
-    lengths = dots(chords, chords)
-    for back in range(min(BEHIND, len(way) - 1)):
-        begin = max(0, back + 1 - first)  # points before it have no chord so far back
-        if begin >= n:
-            break
-        here = slice(first + begin - back - 1, first + n - back - 1)
-        chord, length, from_a = chords[here], lengths[here], points[begin:] - way[here]
-        share = np.clip(np.divide(dots(from_a, chord), length, out=np.zeros(n - begin), where=length > 0.0), 0.0, 1.0)
-        nearest[begin:] = np.minimum(nearest[begin:], norms(from_a - share[:, None] * chord))
+    nearest = np.empty(len(points))
+    to_chords(np.ascontiguousarray(points), np.ascontiguousarray(way), first, BEHIND, nearest)
     return nearest
