@@ -29,11 +29,14 @@ SKIN = 0.05
 
 @frozen(kw_only=False, eq=False)
 class Leaning:
-    """In which parts (m,) of a window's steps a tool leans, and its axis at both ends of each piece (c, 3)."""
+    """In which parts (m,) of a window's steps a tool leans, and its axis at both ends of a step (n, 3)."""
 
     parts: Flags
-    axes_start: Array
-    axes_end: Array
+    before: Array
+    after: Array
+    window: Window
+    first_piece: int = 0
+    """Of the window; pieces count from it."""
 
     @staticmethod
     def of(window: Window, turns: Turns) -> Leaning:
@@ -46,19 +49,19 @@ class Leaning:
         for axis in (before, after):
             level = axis[:, 0] * axis[:, 0] + axis[:, 1] * axis[:, 1]
             leans |= (level > LARGEST_TILT * LARGEST_TILT) | (axis[:, 2] <= 0.0)
-        step = window.piece_step
-        share = window.piece_share
-        if share is None:
-            share = np.tile([0.0, 1.0], (len(step), 1))
-        ends = []
-        for side in range(2):
-            axis = before[step] + share[:, side, None] * (after[step] - before[step])
-            ends.append(axis / norms(axis)[:, None])
-        return Leaning(leans[turns.step], ends[0], ends[1])
+        return Leaning(leans[turns.step], before, after, window)
 
     def axes(self, first: int, end: int) -> tuple[Array, Array]:
-        """The axes of pieces first … end - 1 at both ends."""
-        return self.axes_start[first:end], self.axes_end[first:end]
+        """The axes (end - first, 3) of the tool in pieces first … end - 1, at both ends."""
+        here, share = slice(self.first_piece + first, self.first_piece + end), self.window.piece_share
+        step = self.window.piece_step[here]
+        shares = np.tile([0.0, 1.0], (len(step), 1)) if share is None else share[here]
+        ends = [self.before[step] + shares[:, side, None] * (self.after[step] - self.before[step]) for side in range(2)]
+        return ends[0] / norms(ends[0])[:, None], ends[1] / norms(ends[1])[:, None]
+
+    def part(self, here: slice, first_piece: int) -> Leaning:
+        """That of some parts, of which the first begins with a piece of the window."""
+        return Leaning(self.parts[here], self.before, self.after, self.window, first_piece)
 
     def runs(self) -> list[tuple[int, int, bool]]:
         """Stretches of parts (first, end, whether the tool leans) in order."""

@@ -367,8 +367,7 @@ class MillingLoop:
             rapid=motion.rapid[here],
             compliance=self._compliance(here, response),
         )
-        leaning = Leaning(self._leaning.parts[here], *self._leaning.axes(a, b))
-        out = self._process.run_parts(self._stock, step, leaning, self._state)
+        out = self._process.run_parts(self._stock, step, self._leaning.part(here, a), self._state)
         if response is not None:
             self._leave_to_machine(out, response)
         self._out.append(out)
@@ -441,13 +440,19 @@ def _of_steps(parts: Array, turns: Turns) -> Array:
 
     if not turns.any:
         return parts
-    out: Array = np.maximum.reduceat(parts, turns.first, axis=0)
+    out = parts[turns.first]
+    number = np.diff(np.append(turns.first, len(parts)))
+    turning = np.flatnonzero(number > 1)
+    theirs = np.flatnonzero(number[turns.step] > 1)
+    several, ends = parts[theirs], np.cumsum(number[turning])
+    first = ends - number[turning]
+    one: Array = np.maximum.reduceat(several, first, axis=0)
     means = [*range(m.WRENCH, m.WRENCH + 6), m.OUT_TORQUE, m.POWER, m.FEED_FORCE, m.SIDE_FORCE]
-    out[:, means] = np.add.reduceat(parts[:, means] * turns.share[:, None], turns.first, axis=0)
-    out[:, m.REMOVED] = np.add.reduceat(parts[:, m.REMOVED], turns.first)
-    ends = np.append(turns.first[1:], len(parts)) - 1
+    one[:, means] = np.add.reduceat(several[:, means] * turns.share[theirs, None], first, axis=0)
+    one[:, m.REMOVED] = np.add.reduceat(several[:, m.REMOVED], first)
     kept = [*range(m.DEFLECTION, m.DEFLECTION + 3), m.OUT_ENTRY, m.OUT_EXIT]
-    out[:, kept] = parts[ends][:, kept]
+    one[:, kept] = several[ends - 1][:, kept]
+    out[turning] = one
     return out
 
 

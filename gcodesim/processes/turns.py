@@ -73,11 +73,10 @@ def _borders(window: Window, first_piece: Ints) -> Ints:
     none = np.zeros(0, dtype=np.int64)
     if window.piece_share is None or len(window.piece_step) < 2:
         return none
-    way = window.piece_end - window.piece_start
-    length = norms(way)
-    along = dots(way[1:], way[:-1])
-    sharp = (along < SAME_WAY * length[1:] * length[:-1]) & (np.diff(window.piece_step) == 0)
-    borders = np.flatnonzero(sharp) + 1
+    inner = np.flatnonzero(np.diff(window.piece_step) == 0) + 1  # pieces that follow another of their step
+    way = window.piece_end[inner] - window.piece_start[inner]
+    before = window.piece_end[inner - 1] - window.piece_start[inner - 1]
+    borders = inner[dots(way, before) < SAME_WAY * norms(way) * norms(before)]
     if not len(borders):
         return none
     # the parts of a step with a border have to take some time

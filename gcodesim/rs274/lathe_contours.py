@@ -163,7 +163,8 @@ def _outline(
 
 def _finish(words: Words, control: Control, start: Point, moves: list[ContourMove], first: float) -> None:
     last = words.values.get("e", 0.0)
-    count = words.whole("p", "G70") if "p" in words.values else 1
+    passes = words.whole("p", "G70")
+    count = 1 if passes is None else passes
     plane, begin, outline = _outline(moves, start, "G70", (0.0, 0.0), swap=False)
     for k in range(count, 0, -1):
         _go(control, plane.back(begin), rapid=True)
