@@ -12,8 +12,8 @@ from gcodesim.frozen import frozen
 from gcodesim.rs274.arcs import arc
 from gcodesim.rs274.control import Control
 from gcodesim.rs274.fault import Fault
-from gcodesim.rs274.lathe_outline import CLOSE, Point, Stretch, beside, goes_ahead
-from gcodesim.rs274.lathe_passes import Passes
+from gcodesim.rs274.lathe_outline import CLOSE, OutlinePart, Point, beside, goes_ahead
+from gcodesim.rs274.lathe_passes import RoughingPasses
 from gcodesim.rs274.roughing import ContourMove
 from gcodesim.rs274.words import Words
 
@@ -75,7 +75,7 @@ def contour_cycle(words: Words, control: Control, code: int) -> None:
             left = beside(outline, aside)
             if not left:
                 raise Fault("GS106", f"D{aside:g} leaves nothing of the contour of {who}", at="d")
-            for move in Passes(depth, escape, code % 10).along(start, left):
+            for move in RoughingPasses(depth, escape, code % 10).along(start, left):
                 _follow(words, control, plane, move)
     finally:
         state.incremental, state.centre_absolute = incremental, absolute
@@ -127,7 +127,7 @@ def _centre(control: Control, start: Point, end: Point, values: dict[str, float]
 
 def _outline(
     moves: list[ContourMove], start: Point, who: str, shift: Point, *, swap: bool
-) -> tuple[HalfPlane, Point, list[Stretch]]:
+) -> tuple[HalfPlane, Point, list[OutlinePart]]:
     """The half plane of a cycle; in it the point from which it starts, and the contour, which goes ahead.
 
     The contour goes out of the work, from its first point to its last; for G70 the start is outside. A start that is
@@ -141,7 +141,7 @@ def _outline(
     plane = HalfPlane(swap, math.copysign(1.0, points[-1][a] - points[0][a]), math.copysign(1.0, up))
     seen = [plane.seen(point) for point in points]
     outline = [
-        Stretch(
+        OutlinePart(
             begin,
             end,
             False,
@@ -175,7 +175,7 @@ def _finish(words: Words, control: Control, start: Point, moves: list[ContourMov
             _follow(words, control, plane, move)
 
 
-def _follow(words: Words, control: Control, plane: HalfPlane, move: Stretch) -> None:
+def _follow(words: Words, control: Control, plane: HalfPlane, move: OutlinePart) -> None:
     end = plane.back(move.end)
     if not move.sense:
         _go(control, end, rapid=move.rapid)

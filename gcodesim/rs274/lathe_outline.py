@@ -20,7 +20,7 @@ CLOSE: Final = 1e-9
 
 
 @frozen(kw_only=False)
-class Stretch:
+class OutlinePart:
     """A line, or an arc about `centre`, to the left (1) or to the right (-1); `sense` 0 is a line."""
 
     begin: Point
@@ -37,9 +37,9 @@ class Stretch:
     def length_is_zero(self) -> bool:
         return math.hypot(self.end[0] - self.begin[0], self.end[1] - self.begin[1]) <= CLOSE
 
-    def part(self, begin: Point, end: Point) -> Stretch:
+    def part(self, begin: Point, end: Point) -> OutlinePart:
         """The same from one of its points to another."""
-        return Stretch(begin, end, self.rapid, self.centre, self.sense)
+        return OutlinePart(begin, end, self.rapid, self.centre, self.sense)
 
     def way_at(self, point: Point) -> Point:
         """Unit vector of its direction at a point."""
@@ -62,24 +62,24 @@ class Stretch:
         return there / whole
 
 
-def _turn(arc: Stretch, point: Point) -> float:
+def _turn(arc: OutlinePart, point: Point) -> float:
     """Angle [rad] from the beginning of an arc to a point of its circle, 0 to 2 pi."""
     (ca, cb), (a, b) = arc.centre, arc.begin
     angle = arc.sense * (atan2(point[1] - cb, point[0] - ca) - atan2(b - cb, a - ca)) % (2.0 * math.pi)
     return 0.0 if 2.0 * math.pi - angle <= CLOSE else angle
 
 
-def goes_ahead(stretch: Stretch) -> bool:
+def goes_ahead(stretch: OutlinePart) -> bool:
     """Whether `a` never falls on the way."""
     return all(part.end[0] >= part.begin[0] - CLOSE for part in _split(stretch, 0))
 
 
-def rising_and_falling(stretches: Iterable[Stretch]) -> list[Stretch]:
+def rising_and_falling(stretches: Iterable[OutlinePart]) -> list[OutlinePart]:
     """The same outline in parts of which each only rises or only falls."""
     return [part for stretch in stretches for part in _split(stretch, 1)]
 
 
-def _split(stretch: Stretch, axis: int) -> list[Stretch]:
+def _split(stretch: OutlinePart, axis: int) -> list[OutlinePart]:
     """Parts between the places where an arc turns back in one of the two coordinates."""
     if not stretch.sense:
         return [stretch]
@@ -94,7 +94,7 @@ def _split(stretch: Stretch, axis: int) -> list[Stretch]:
     return [stretch.part(begin, end) for begin, end in pairwise(points)]
 
 
-def at_level(stretch: Stretch, level: float) -> Point:
+def at_level(stretch: OutlinePart, level: float) -> Point:
     """The point of a part that only rises or only falls, and reaches `level`, where it does so."""
     (a0, b0), (a1, b1) = stretch.begin, stretch.end
     if abs(level - b0) <= CLOSE:
@@ -110,15 +110,15 @@ def at_level(stretch: Stretch, level: float) -> Point:
     return (before if abs(before - middle) < abs(after - middle) else after, level)
 
 
-def beside(outline: Sequence[Stretch], distance: float) -> list[Stretch]:
+def beside(outline: Sequence[OutlinePart], distance: float) -> list[OutlinePart]:
     """The outline at `distance` to its left; around corners that point there by an arc.
 
     What the distance leaves no room for, as of a fillet with a smaller radius, is not there.
     """
     if not distance:
         return list(outline)
-    kept: list[Stretch] = []
-    before: Stretch | None = None
+    kept: list[OutlinePart] = []
+    before: OutlinePart | None = None
     for stretch in outline:
         if stretch.length_is_zero:
             continue
@@ -133,7 +133,7 @@ def beside(outline: Sequence[Stretch], distance: float) -> list[Stretch]:
     return kept
 
 
-def _moved(stretch: Stretch, distance: float) -> Stretch | None:
+def _moved(stretch: OutlinePart, distance: float) -> OutlinePart | None:
     """One line or arc, moved to its left; None for an arc that vanishes."""
     if stretch.sense:
         radius = stretch.radius
@@ -149,7 +149,7 @@ def _moved(stretch: Stretch, distance: float) -> Stretch | None:
     return stretch.part((a0 + na, b0 + nb), (a1 + na, b1 + nb))
 
 
-def _around(before: Stretch, after: Stretch, distance: float) -> Stretch | None:
+def _around(before: OutlinePart, after: OutlinePart, distance: float) -> OutlinePart | None:
     """The arc around the corner between two, if it points to where the outline is moved."""
     (ta, tb), (ua, ub) = before.way_at(before.end), after.way_at(after.begin)
     turn = ta * ub - tb * ua
@@ -157,10 +157,10 @@ def _around(before: Stretch, after: Stretch, distance: float) -> Stretch | None:
         return None
     a, b = after.begin
     begin, end = (a - tb * distance, b + ta * distance), (a - ub * distance, b + ua * distance)
-    return Stretch(begin, end, after.rapid, (a, b), -1 if distance > 0.0 else 1)
+    return OutlinePart(begin, end, after.rapid, (a, b), -1 if distance > 0.0 else 1)
 
 
-def _join(kept: list[Stretch], new: Stretch) -> None:
+def _join(kept: list[OutlinePart], new: OutlinePart) -> None:
     """Add a part to those that are `kept`, each ended where the next begins."""
     if kept and math.hypot(kept[-1].end[0] - new.begin[0], kept[-1].end[1] - new.begin[1]) <= 1e3 * CLOSE:
         kept.append(new)
@@ -179,11 +179,11 @@ def _join(kept: list[Stretch], new: Stretch) -> None:
     kept.append(new)
 
 
-def _is_on(stretch: Stretch, point: Point) -> bool:
+def _is_on(stretch: OutlinePart, point: Point) -> bool:
     return -1e-6 <= stretch.share_of(point) <= 1.0 + 1e-6
 
 
-def _meetings(one: Stretch, other: Stretch) -> list[Point]:
+def _meetings(one: OutlinePart, other: OutlinePart) -> list[Point]:
     """Where the lines or circles of two parts meet."""
     if not one.sense and not other.sense:
         (a, b), (ta, tb), (c, d), (ua, ub) = one.begin, one.way_at(one.begin), other.begin, other.way_at(other.begin)
@@ -213,7 +213,7 @@ def _meetings(one: Stretch, other: Stretch) -> list[Point]:
     return [(ma - half * tb, mb + half * ta), (ma + half * tb, mb - half * ta)]
 
 
-def chords_of(stretch: Stretch, step: float) -> list[Point]:
+def chords_of(stretch: OutlinePart, step: float) -> list[Point]:
     """Its end, and for an arc the points before it, at most `step` [rad] apart."""
     points: list[Point] = []
     if stretch.sense:

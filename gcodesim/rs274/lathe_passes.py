@@ -13,7 +13,7 @@ from typing import Final
 
 from gcodesim.frozen import frozen
 from gcodesim.rs274.fault import Fault
-from gcodesim.rs274.lathe_outline import CLOSE, Point, Stretch, at_level, rising_and_falling
+from gcodesim.rs274.lathe_outline import CLOSE, OutlinePart, Point, at_level, rising_and_falling
 
 ALL, NO_POCKETS, NO_ROUGHING = 0, 1, 2
 """The subtypes: G71 cuts all, G71.1 bridges the pockets, G71.2 cuts only them."""
@@ -22,22 +22,22 @@ _MOST: Final = 50_000
 
 
 @frozen(kw_only=False)
-class Passes:
+class RoughingPasses:
     """Depth of a pass, the escape at its end [mm], and the subtype."""
 
     depth: float
     escape: float
     kind: int
 
-    def along(self, start: Point, outline: Sequence[Stretch]) -> list[Stretch]:
+    def along(self, start: Point, outline: Sequence[OutlinePart]) -> list[OutlinePart]:
         """All moves from `start` on, with passes, to the end of `outline`, and out to the level of `start`."""
         last = outline[-1].end
-        entry = Stretch(start, outline[0].begin, rapid=True)
+        entry = OutlinePart(start, outline[0].begin, rapid=True)
         way = [entry, *outline]
         if last[1] < start[1] - CLOSE:
-            way.append(Stretch(last, (last[0], start[1])))
+            way.append(OutlinePart(last, (last[0], start[1])))
         rest = rising_and_falling(way)
-        moves: list[Stretch] = []
+        moves: list[OutlinePart] = []
         if self.kind == NO_ROUGHING:
             moves.append(rest.pop(0))
         initial, falling, level = True, False, start[1]
@@ -47,8 +47,8 @@ class Passes:
             if part.end[1] >= part.begin[1] - CLOSE:
                 initial = falling = False
                 if self.kind == NO_POCKETS and part is not entry:
-                    moves.append(Stretch(part.begin, part.begin))
-                moves.append(Stretch(part.begin, part.end) if part is entry else part)
+                    moves.append(OutlinePart(part.begin, part.begin))
+                moves.append(OutlinePart(part.begin, part.end) if part is entry else part)
                 continue
             if not falling:
                 highest = part.begin[1] if highest is None and not initial else highest
@@ -67,7 +67,7 @@ class Passes:
             return begin
         return highest - max(math.ceil((highest - begin - CLOSE) / self.depth), 0) * self.depth
 
-    def _rough(self, part: Stretch, level: float, rest: Sequence[Stretch], moves: list[Stretch]) -> float:
+    def _rough(self, part: OutlinePart, level: float, rest: Sequence[OutlinePart], moves: list[OutlinePart]) -> float:
         """Along a falling part, with a pass at each level; the next level."""
         while level > part.end[1] + CLOSE:
             if len(moves) > _MOST:
@@ -80,16 +80,16 @@ class Passes:
                 out = min(self.escape, 0.5 * (end[0] - begin[0]))
                 away, back = (end[0] - out, level + out), (begin[0] + out, level + out)
                 moves += [
-                    Stretch(begin, end),
-                    Stretch(end, away, rapid=True),
-                    Stretch(away, back, rapid=True),
-                    Stretch(back, begin, rapid=part.rapid),
+                    OutlinePart(begin, end),
+                    OutlinePart(end, away, rapid=True),
+                    OutlinePart(away, back, rapid=True),
+                    OutlinePart(back, begin, rapid=part.rapid),
                 ]
             level -= self.depth
         _go(part, moves)
         return level
 
-    def _bridge(self, part: Stretch, level: float, rest: list[Stretch], moves: list[Stretch]) -> None:
+    def _bridge(self, part: OutlinePart, level: float, rest: list[OutlinePart], moves: list[OutlinePart]) -> None:
         """Straight over a pocket, to where the outline rises again."""
         end = _meeting(rest, level)
         if end is None:
@@ -98,20 +98,20 @@ class Passes:
         while rest[0].end[1] < level - CLOSE:
             rest.pop(0)
         over = rest.pop(0)
-        moves.append(Stretch(part.begin, end))
+        moves.append(OutlinePart(part.begin, end))
         left = over.part(end, over.end)
         if not left.length_is_zero:
             moves.append(left)
 
 
-def _go(part: Stretch, moves: list[Stretch]) -> None:
+def _go(part: OutlinePart, moves: list[OutlinePart]) -> None:
     if not (part.sense and part.length_is_zero):
         moves.append(part)
 
 
-def _whole(moves: Sequence[Stretch]) -> list[Stretch]:
+def _whole(moves: Sequence[OutlinePart]) -> list[OutlinePart]:
     """With arcs in one piece that were divided only at the bottom of a pocket."""
-    whole: list[Stretch] = []
+    whole: list[OutlinePart] = []
     for move in moves:
         last = whole[-1] if whole else move
         same = (last.sense, last.centre, last.end) == (move.sense, move.centre, move.begin)
@@ -122,7 +122,7 @@ def _whole(moves: Sequence[Stretch]) -> list[Stretch]:
     return whole
 
 
-def _meeting(rest: Sequence[Stretch], level: float) -> Point | None:
+def _meeting(rest: Sequence[OutlinePart], level: float) -> Point | None:
     """Where the outline first rises to `level`."""
     rising = (part for part in rest if part.end[1] >= level - CLOSE)
     part = next(rising, None)

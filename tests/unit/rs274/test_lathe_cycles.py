@@ -1,7 +1,7 @@
 """LinuxCNC's G70, G71 and G72 make the moves that its own interpreter prints.
 
-`linuxcnc.json` holds programs with what LinuxCNC 2.9 made of them: T rapids and F feeds to X, Z; A arcs to X, Z with the
-centre's X, Z and the sense, 1 to the left.
+`linuxcnc.json` holds programs with what LinuxCNC 2.9 made of them: T rapids and F feeds to X, Z; A arcs to X, Z with
+the centre's X, Z and the sense, 1 to the left.
 """
 
 from __future__ import annotations
