@@ -133,11 +133,12 @@ class ParticleFlow(Model):
         if self.particle_volume is not None:
             return self.particle_volume
         if self.voxel is not None:
-            return self.voxel**3
+            return self.voxel * self.voxel * self.voxel
         across = 2.0 * self.particle_radius if self.particle_radius is not None else self.particle_diameter
         if across is None:
             return None
-        return across**3 if self.shape != "sphere" else pi / 6.0 * across**3
+        cube = across * across * across
+        return cube if self.shape != "sphere" else pi / 6.0 * cube
 
     def _section(self) -> float | None:
         """Section [m²] of the bead."""

@@ -376,7 +376,10 @@ def _place(search: CellSearch, name: str, stays: Mapping[str, Stay]) -> tuple[in
     stay = stays[name]
     if stay.parent in search.cell.tree.part:
         below = _place(search, stay.parent, stays) if stay.parent in stays else None
-        return None if below is None else (below[0], below[1] @ stay.X)
+        if below is None:
+            return None
+        carrier, X_below = below
+        return carrier, X_below @ stay.X
     joint, X = search.cell.tree.carrier(stay.parent)
     return joint, X @ stay.X
 

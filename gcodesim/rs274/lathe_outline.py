@@ -104,7 +104,7 @@ def at_level(stretch: OutlinePart, level: float) -> Point:
     if not stretch.sense:
         return (a0 + (level - b0) / (b1 - b0) * (a1 - a0), level)
     ca, cb = stretch.centre
-    half = math.sqrt(max(stretch.radius**2 - (level - cb) ** 2, 0.0))
+    half = math.sqrt(max(stretch.radius * stretch.radius - (level - cb) * (level - cb), 0.0))
     before, after = ca - half, ca + half
     middle = 0.5 * (a0 + a1)
     return (before if abs(before - middle) < abs(after - middle) else after, level)

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.arithmetic.elementary import atan2, cos_sin
-from gcodesim.arithmetic.matrices import norm, norms
+from gcodesim.arithmetic.matrices import dot, norm, norms
 from gcodesim.frames import Array, rotation_from_quaternion
 
 
@@ -20,7 +20,7 @@ def between(ends: Array, turns: Array, spacing: float) -> tuple[Array, NDArray[n
     poses, numbers = [], []
     for k in range(len(ends) - 1):
         a, b = turns[k], turns[k + 1]
-        cosine = float(a @ b)
+        cosine = dot(a, b)
         b, cosine = (-b, -cosine) if cosine < 0.0 else (b, cosine)
         cosine = min(cosine, 1.0)
         angle = atan2(float(np.sqrt(1.0 - cosine * cosine)), cosine)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import re
 from collections.abc import Iterator, Sequence
-from math import dist
+from math import dist, sqrt
 from typing import Final
 
 from gcodesim.kinematics.xml_lines import LinedElement, XmlError, parse_xml
@@ -229,7 +229,7 @@ class _Pen:
         chord = dist((ax, ay), (bx, by))
         radius = max(abs(rx) * self._scale, 0.5 * chord)
         if chord > 0.0:
-            aside = (max(radius * radius - 0.25 * chord * chord, 0.0)) ** 0.5 / chord
+            aside = sqrt(max(radius * radius - 0.25 * chord * chord, 0.0)) / chord
             ccw = sweep == 0.0  # y points down
             side = aside if (large == 0.0) == ccw else -aside
             centre = (0.5 * (ax + bx) - side * (by - ay), 0.5 * (ay + by) + side * (bx - ax))

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Sequence
-from math import dist, isfinite
+from math import dist, isfinite, sqrt
 from typing import Final, NamedTuple
 
 from gcodesim.arithmetic.elementary import atan2, cos_sin
@@ -152,12 +152,12 @@ def _crossings(stroke: Stroke) -> list[Point]:
         return [(0.0, ay + (by - ay) * ax / (ax - bx))]
     (cx, cy), _ = stroke.arc
     whole = OutlineArc(to=stroke.end, centre=stroke.arc.centre, ccw=stroke.arc.ccw)
-    half = whole.radius**2 - cx * cx
+    half = whole.radius * whole.radius - cx * cx
     if half <= 0.0:
         return []
     begin, turn = whole.angles(stroke.start)
     found = []
-    for y in (cy - half**0.5, cy + half**0.5):
+    for y in (cy - sqrt(half), cy + sqrt(half)):
         way = float(atan2(y - cy, -cx)) - begin
         way = way % _TURN if turn > 0.0 else -((-way) % _TURN)
         if 1e-6 < way / turn < 1.0 - 1e-6:

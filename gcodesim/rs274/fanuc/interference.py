@@ -35,7 +35,7 @@ def check(control: FanucControl, corner: Point, before: Point | None, reached: P
     for programmed, passed in state.comp_corners[:-1]:  # the last one bounds one move alone
         way = corner[0] - programmed[0], corner[1] - programmed[1]
         gone = reached[0] - passed[0], reached[1] - passed[1]
-        if way[0] * gone[0] + way[1] * gone[1] < -_SLACK * state.comp_radius**2:
+        if way[0] * gone[0] + way[1] * gone[1] < -_SLACK * state.comp_radius * state.comp_radius:
             unit_mm = state.unit / MM
             width, diameter = apart(programmed, corner) * unit_mm, 2.0 * state.comp_radius * unit_mm
             raise Fault(
