@@ -12,8 +12,7 @@ from gcodesim.cell.arm_point import ArmPoint
 from gcodesim.cell.cell import MAIN
 from gcodesim.cell.device import Device
 from gcodesim.cell.externals import SLIDING, columns_of
-from gcodesim.cell.machine import MachineTool, is_lathe
-from gcodesim.cell.robot import Robot
+from gcodesim.cell.machine import is_lathe
 from gcodesim.cell.tool_point import MachinePoint
 from gcodesim.diagnostics import Diagnostic, Severity, SourceText
 from gcodesim.frames import Pose
@@ -95,7 +94,7 @@ def settings_of_cell(
         auto_length=lengths,
         path_control=_path_control(cell, channel),
         tool_point=_tool_point(cell, channel, placement),
-        tip_first=_tip_first(cell.machine_of(channel)),
+        tip_first=cell.machine_of(channel).tip_first,
         columns=columns,
         leans=leans,
         length_leans=bool(leans) and _leans_along(cell, channel),
@@ -112,12 +111,6 @@ def settings_of_cell(
 def _tool_point(cell: Cell, channel: str, placement: Placement) -> MachinePoint | ArmPoint | None:
     mover = cell.machine_of(channel)
     return MachinePoint.of(mover) if mover.axes else ArmPoint.of(cell, channel, placement)
-
-
-def _tip_first(machine: MachineTool | Robot) -> bool:
-    """Whether kinematics that the cell names hold the tip before the program says so."""
-    named = machine.kinematics if isinstance(machine, MachineTool) else None
-    return named is not None and named.from_start
 
 
 def _axes_of(X_MP: Pose) -> Tilt:

@@ -172,6 +172,11 @@ class MachineTool:
     kinematics: NamedKinematics | None = None
 
     @property
+    def tip_first(self) -> bool:
+        """Whether kinematics that the cell names hold the tip before the program says so."""
+        return self.kinematics is not None and self.kinematics.from_start
+
+    @property
     def externals(self) -> tuple[External, ...]:
         """Axes outside of it: a machine tool has none."""
         return ()

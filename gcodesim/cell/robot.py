@@ -271,6 +271,9 @@ class Robot:
     axes: ClassVar[tuple[MachineAxis, ...]] = ()
     """Axes that a program names by letters: a robot has none."""
 
+    tip_first: ClassVar[bool] = False
+    """Whether kinematics that the cell names hold the tip before the program says so: those of a robot have no name."""
+
     name: str
     model: str | None
     urdf: str | None

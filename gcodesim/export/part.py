@@ -49,6 +49,11 @@ def write_part(
     recording: Recording, out: BinaryIO, *, t_ns: int | None = None, stock: str | None = None, world: bool = False
 ) -> Written:
     """Write the surface of a stock in mm, in its own frame or in the world; `part_surface` says which it is."""
+    own = _written(recording, stock) if t_ns is None and not world else None
+    if own is not None:  # the file of the run knows which walls were cut; a stock that is loaded does not
+        data = own.read_bytes()
+        out.write(data)
+        return Written(int.from_bytes(data[80:84], "little"), exact=True)
     surface, exact = part_surface(recording, t_ns=t_ns, stock=stock, world=world)
     write_stl(surface, out)
     return Written(len(surface.faces), exact=exact)
@@ -92,6 +97,17 @@ class Stl(Exporter):
         written = write_part(recording, out, t_ns=request.at_ns, stock=request.stock, world=request.world)
         how = "as computed" if written.exact else "as the log draws it"
         return f"the part at {request.moment(recording) * 1e-9:g} s, {how}, {written.triangles} triangles,"
+
+
+def _written(recording: Recording, stock: str | None) -> Path | None:
+    """The STL file that the run has written beside the stock file, if both are there."""
+    from gcodesim.material.stock_file import SUFFIX
+
+    if recording.folder is None:
+        return None
+    file = recording.folder / Path(stock or stock_names(recording)[0]).name
+    whole = file.with_name(f"{file.name}{SUFFIX}").is_file() and file.with_name(f"{file.name}.stl").is_file()
+    return file.with_name(f"{file.name}.stl") if whole else None
 
 
 def _computed(recording: Recording, stock: str | None) -> Surface | None:

@@ -96,7 +96,7 @@ def trapezoids(
     return segment[:p].copy(), duration[:p].copy(), place[:p].copy(), v_start[:p].copy(), a_phase[:p].copy()
 
 
-@kernel(short=True)
+@kernel
 def time_to(way: float, speed: float, change: float, jerk: float, duration: float) -> float:
     """When, within `duration`, a motion that goes only forwards has gone `way`; by bisection."""
     low, high = 0.0, duration

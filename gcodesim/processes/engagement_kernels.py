@@ -52,6 +52,7 @@ from gcodesim.processes.edge_kernels import (
 from gcodesim.processes.seam_kernels import (
     SEAMS,
     Seams,
+    Steps,
     crossing,
     mark_steps,
     note_seams,
@@ -199,7 +200,7 @@ def contact_of_rows(
                 settle_seams(field, tip, heading, clearance, rows, waiting, room.seams, weights)
                 waiting = 0
             waiting = note_seams(
-                circle, tip, heading, clearance, rows, i, known, steps, left, room.seams, waiting
+                circle, tip, heading, clearance, rows, i, Steps(known, steps), left, room.seams, waiting
             )
         found = found or rows[i, TO] > rows[i, FROM]
     if waiting > 0:

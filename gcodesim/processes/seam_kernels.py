@@ -60,6 +60,25 @@ class Seams(NamedTuple):
     numbers: Array
 
 
+class Steps(NamedTuple):
+    """Shares (n,) of a row at all angles, and where they change by more than half: see `mark_steps`."""
+
+    known: Array
+    marks: Array
+
+
+class RowsThere(NamedTuple):
+    """Of seams (n,): sine and cosine of the angle before, and of the row there what `Seams.numbers` says [m]."""
+
+    sines: Array
+    cosines: Array
+    radii: Array
+    outers: Array
+    lows: Array
+    highs: Array
+    ways: Array
+
+
 @kernel(lean=True)
 def share_at(
     field: Field, tip: Array, heading: Heading, clearance: Clearance, rows: Array, i: int, sine: float, cosine: float
@@ -163,13 +182,14 @@ def set_limit(weights: Array, i: int, first: int, last: int, limit: float) -> No
 
 @kernel(lean=True)
 def note_seams(
-    circle: Circle, tip: Array, heading: Heading, clearance: Clearance, rows: Array, i: int, known: Array, steps: Array,
-    left: int, seams: Seams, number: int,
+    circle: Circle, tip: Array, heading: Heading, clearance: Clearance, rows: Array, i: int, found: Steps, left: int,
+    seams: Seams, number: int,
 ) -> int:  # fmt: skip
     """Add those of row i to the first `number` seams; how many there are then. Widens the row's range of angles.
 
-    `known` and `steps` (n,): see `mark_steps`, which found `left` steps. There has to be room for as many.
+    `mark_steps` has found `left` steps. There has to be room for as many.
     """
+    known, steps = found
     places, numbers = seams
     sines, cosines = circle
     begin, end, done = rows[i, FROM], rows[i, TO], 0
@@ -200,16 +220,16 @@ def note_seams(
 
 @kernel(lean=True)
 def lay_spots(
-    tip: Array, heading: Heading, clearance: Clearance, sines: Array, cosines: Array, radii: Array, outers: Array,
-    lows: Array, highs: Array, ways: Array, least: Array, most: Array, xs: Array, ys: Array, bottoms: Array,
-    tops: Array,
-) -> None:  # fmt: skip
+    tip: Array, heading: Heading, clearance: Clearance, rows: RowsThere, least: Array, most: Array, spots: Spots
+) -> None:
     """Where to ask half-way of each search (n,), as `share_at` does for one angle.
 
     The loop has no branches and no dependence between its iterations.
     """
     ux, uy, level, climb = heading
     cell, ahead, aside = clearance
+    sines, cosines, radii, outers, lows, highs, ways = rows
+    xs, ys, bottoms, tops = spots
     tip_x, tip_y, dip = tip[0], tip[1], min(0.5 * (1.0 - level) * cell * climb, 0.0)
     for k in range(xs.shape[0]):
         sine, cosine = turned(sines[k], cosines[k], 0.5 * (least[k] + most[k]) * (2.0 * np.pi / ANGLES))
@@ -247,12 +267,13 @@ def settle_seams(
     places, numbers = seams.places, seams.numbers[:, :number]
     least, most, half, share = numbers[LEAST], numbers[MOST], numbers[HALF], numbers[SHARE]
     share_least, share_most = numbers[SHARE_LEAST], numbers[SHARE_MOST]
+    spots = Spots(numbers[X], numbers[Y], numbers[BOTTOM], numbers[TOP])
+    there = RowsThere(
+        numbers[SINE], numbers[COSINE], numbers[RADII], numbers[OUTERS], numbers[LOWS], numbers[HIGHS], numbers[WAYS]
+    )
     for _ in range(HALVINGS):
-        lay_spots(
-            tip, heading, clearance, numbers[SINE], numbers[COSINE], numbers[RADII], numbers[OUTERS], numbers[LOWS],
-            numbers[HIGHS], numbers[WAYS], least, most, numbers[X], numbers[Y], numbers[BOTTOM], numbers[TOP],
-        )  # fmt: skip
-        if ask_spots(field, Spots(numbers[X], numbers[Y], numbers[BOTTOM], numbers[TOP]), share):
+        lay_spots(tip, heading, clearance, there, least, most, spots)
+        if ask_spots(field, spots, share):
             for k in range(number):
                 if share[k] == ELSEWHERE:
                     angle = 0.5 * (least[k] + most[k]) * (2.0 * np.pi / ANGLES)

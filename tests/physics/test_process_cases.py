@@ -96,7 +96,11 @@ def path_window(points, *, dt, active, spindle=0.0):
         axis=np.tile([0.0, 0.0, 1.0], (n, 1)),
         velocity=np.diff(points, axis=0) / dt,
         rapid=np.zeros(n, dtype=bool),
-        signals={"spindle": np.full(n, spindle), "active": np.broadcast_to(active, n).copy()},
+        signals={
+            "spindle": np.full(n, spindle),
+            "active": np.broadcast_to(active, n).copy(),
+            "flow": np.full(n, np.nan),
+        },
         dt=dt,
     )
 

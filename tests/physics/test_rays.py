@@ -9,6 +9,7 @@ from gcodesim.material.rain import NozzleRays, rain_on, rays_of
 from gcodesim.material.stock import Stock
 from gcodesim.units import DEG, MM, MM3
 from tests.physics.runs import run_texts
+from tests.unit.material.columns import bottoms_and_tops, raise_from
 
 CELL = """
 gcodesim: 1
@@ -110,8 +111,7 @@ def test_particles_stay_at_a_wall():
     assert done.volume.sum() == 0.0  # beside the grid of the wall there is no column to stay in
 
     both = plate()
-    both.field.columns.hi[80:] = 20 * MM
-    both.field.tops[:] = 20 * MM
+    raise_from(both, 80, 20 * MM)
     done = thrown(
         both, NozzleRays(spread=0.0, far=60 * MM, number=20, seed=1), axis=[-1.0, 0.0, 0.0], at=(-20.0, 0.2, 10.0)
     )
@@ -125,12 +125,10 @@ def test_the_number_of_rays_does_not_change_where_it_lies():
     for number in (500, 5000):
         stock = plate()
         thrown(stock, NozzleRays(spread=0.3, far=60 * MM, number=number, seed=2), volume=3000.0)
-        lo, hi, count = stock.field.columns
-        height = hi[:, :, 0]
+        bottoms, height = bottoms_and_tops(stock)
         x = (np.arange(160) + 0.5) * 0.5 - 40.0
         spread = np.sqrt(np.average(x**2, weights=height.sum(axis=1)))
         heaps.append((stock.volume, spread))
-        assert lo[:, :, 0].min() == lo[:, :, 0].max() == -5.0 * MM
-        assert count.min() == 1
+        assert bottoms.min() == bottoms.max() == -5.0 * MM
     assert heaps[0][0] == pytest.approx(heaps[1][0], rel=1e-9)
     assert heaps[0][1] == pytest.approx(heaps[1][1], rel=0.02)

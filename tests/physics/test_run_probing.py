@@ -208,7 +208,8 @@ M2
 
 
 def test_a_ball_end_mill_that_touches_off_takes_nothing_either() -> None:
-    cell = MILL.replace("type: probe", "type: ball_end_mill")
+    # at one rate: where nothing waits for a tick, steps are as long as the way asks for
+    cell = MILL.replace("type: probe", "type: ball_end_mill") + "simulation: {rate: 250 Hz}\n"
     cutting = POCKET.partition("T2 M6")[0]
     cut = run_texts(cutting + "M2\n", cell)
     probed = run_texts(POCKET, cell)

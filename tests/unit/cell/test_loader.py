@@ -45,7 +45,7 @@ def test_a_cell_with_everything() -> None:
 
     cell = result.cell
     assert cell is not None
-    assert max(f.level for f in result.findings) <= Severity.NOTE
+    assert all(f.level <= Severity.NOTE for f in result.findings)
     arm = cell.robots["arm"]
     assert arm.home == pytest.approx((0, -pi / 2, pi / 2, 0, pi / 2, 0))
     assert arm.stiffness == (1.5e5, 1.4e5, 9e4, 3e4, 2.5e4, 1.5e4)
