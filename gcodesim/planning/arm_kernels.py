@@ -117,7 +117,8 @@ def jerk_caps(
     times j, the second times 3 v a, and the third times v³: the last two may take a quarter of the limit each. Between
     a segment and the next, where it `follows`, q'' differs: where the path `goes_on` smoothly, that is a matter of
     where it was looked at, and counts for the third derivative; else acceleration steps there, by no more than jerk
-    builds up in a `cycle` [s], and a step of q' makes no more of acceleration.
+    builds up in a `cycle` [s], and a step of q' makes no more of acceleration. Steps that are passed within a cycle
+    count together.
     """
     start_rate, end_rate, mean_rate = rates
     n, count = len(length), start_rate.shape[1]
@@ -125,6 +126,7 @@ def jerk_caps(
     bend = np.zeros((n, count))
     for j in range(count):
         before = 0.0
+        border, stepped, way = -1, 0.0, 0.0  # the last one where acceleration steps, by how much, and the way since
         for k in range(n):
             r0, r1, mean = start_rate[k, j], end_rate[k, j], mean_rate[k, j]
             turn, bow = (r1 - r0) / length[k], (6.0 * mean - 3.0 * (r0 + r1)) / length[k]
@@ -138,10 +140,19 @@ def jerk_caps(
                     third[k, j] = max(third[k, j], spread)
                 else:
                     if step > 1e-9:
-                        junction[k - 1] = min(junction[k - 1], math.sqrt(jerk_limit[j] * cycle / step))
+                        top = min(junction[k - 1], math.sqrt(jerk_limit[j] * cycle / step))
+                        if border >= 0 and way < min(top, junction[border]) * cycle:
+                            step += stepped
+                            top = min(top, math.sqrt(jerk_limit[j] * cycle / step))
+                            junction[border] = min(junction[border], top)
+                        junction[k - 1] = top
+                        border, stepped, way = k - 1, step, 0.0
                     kink = abs(r0 - end_rate[k - 1, j])
                     if kink > 1e-9:
                         junction[k - 1] = min(junction[k - 1], jerk_limit[j] * cycle * cycle / kink)
+            else:
+                border = -1
+            way += length[k]
             before = turn - bow
     for k in range(n):
         v = caps.speed[k]

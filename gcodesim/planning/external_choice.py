@@ -69,8 +69,9 @@ class ChosenPlaces:
             places.append(piece)
             ways.append(s)
             values.append(own)
+        soft = bool(np.isfinite(outside.assembly.joints.jerk).any())
         splines = tuple(
-            SpinAlong.through(pieces, places, ways, [own[:, axis] for own in values])
+            SpinAlong.through(pieces, places, ways, [own[:, axis] for own in values], soft=soft)
             if column == CHOSEN
             else None
             for axis, column in enumerate(outside.columns)

@@ -82,7 +82,10 @@ def route_along(
         pieces.append(nodes.piece[chosen])
         places.append(nodes.s[chosen])
         spins.append(_smooth(way.spins))
-    turning = SpinAlong.through(flange.pieces, pieces, places, spins) if free and spins else None
+    if not (free and spins):
+        return Route(None, seeds, len(nodes.chains))
+    soft = bool(np.isfinite(kinematics.joints.jerk).any())
+    turning = SpinAlong.through(flange.pieces, pieces, places, spins, soft=soft)
     return Route(turning, seeds, len(nodes.chains))
 
 
