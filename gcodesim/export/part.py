@@ -99,15 +99,19 @@ class Stl(Exporter):
         return f"the part at {request.moment(recording) * 1e-9:g} s, {how}, {written.triangles} triangles,"
 
 
-def _written(recording: Recording, stock: str | None) -> Path | None:
-    """The STL file that the run has written beside the stock file, if both are there."""
-    from gcodesim.material.stock_file import SUFFIX
-
+def _beside(recording: Recording, stock: str | None, suffix: str) -> Path | None:
+    """A file of that stock in the output folder, if it is there."""
     if recording.folder is None:
         return None
-    file = recording.folder / Path(stock or stock_names(recording)[0]).name
-    whole = file.with_name(f"{file.name}{SUFFIX}").is_file() and file.with_name(f"{file.name}.stl").is_file()
-    return file.with_name(f"{file.name}.stl") if whole else None
+    file = recording.folder / f"{Path(stock or stock_names(recording)[0]).name}{suffix}"
+    return file if file.is_file() else None
+
+
+def _written(recording: Recording, stock: str | None) -> Path | None:
+    """The STL file that the run has written with the stock file, if both are there."""
+    from gcodesim.material.stock_file import SUFFIX
+
+    return None if _beside(recording, stock, SUFFIX) is None else _beside(recording, stock, ".stl")
 
 
 def _computed(recording: Recording, stock: str | None) -> Surface | None:
@@ -115,11 +119,8 @@ def _computed(recording: Recording, stock: str | None) -> Surface | None:
     from gcodesim.material.stock_file import SUFFIX, load_stock
     from gcodesim.material.true_volume import surface_for_files
 
-    name = stock or stock_names(recording)[0]
-    file = None if recording.folder is None else recording.folder / f"{Path(name).name}{SUFFIX}"
-    if file is None or not file.is_file():
-        return None
-    return surface_for_files(load_stock(file))
+    file = _beside(recording, stock, SUFFIX)
+    return None if file is None else surface_for_files(load_stock(file))
 
 
 def _drawn(drawings: list[Drawing]) -> Surface:

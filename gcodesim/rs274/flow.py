@@ -376,24 +376,24 @@ class FlowControl:
         file, first = self._find(label, index, by_m98=False)
         if self._was_read(file, first):
             return
-        self._enter(file, first, label, index)
-        frame = self.frame
-        frame.arguments = control.parameters.first()
-        frame.named = control.parameters.locals
-        control.parameters.locals = {}
+        self._enter_with_own_parameters(file, first, label, index)
         control.parameters.set_first((*arguments, *NO_ARGUMENTS[len(arguments) :]))
         control.returned, control.value_returned = 0.0, False
 
     def enter_contour(self, number: int, index: int) -> None:
         """Go into the subroutine with the contour of a cycle, as a call without arguments from line `index`."""
         file, first = self._find(str(number), index, by_m98=False)
-        self._enter(file, first, str(number), index)
-        frame = self.frame
-        frame.arguments, frame.named = self.control.parameters.first(), self.control.parameters.locals
-        self.control.parameters.locals = {}
+        self._enter_with_own_parameters(file, first, str(number), index)
+
+    def _enter_with_own_parameters(self, file: ProgramFile, first: int, label: str, index: int) -> None:
+        """Go into a subroutine; the caller's parameters are kept until it is left."""
+        self._enter(file, first, label, index)
+        frame, parameters = self.frame, self.control.parameters
+        frame.arguments, frame.named = parameters.first(), parameters.locals
+        parameters.locals = {}
 
     def leave(self) -> None:
-        """Out of a subroutine before its end."""
+        """Leave the running subroutine, and give its caller its parameters back."""
         frame = self.frames.pop()
         self.control.parameters.set_first(frame.arguments)
         self.control.parameters.locals = frame.named

@@ -10,7 +10,7 @@ from collections.abc import Iterable, Sequence
 from itertools import pairwise
 from typing import Final
 
-from gcodesim.arithmetic.scalars import atan2, cos, sin
+from gcodesim.arithmetic.scalars import atan2
 from gcodesim.frozen import frozen
 
 Point = tuple[float, float]
@@ -211,16 +211,3 @@ def _meetings(one: OutlinePart, other: OutlinePart) -> list[Point]:
     half = math.sqrt(max(square, 0.0))
     ma, mb = a + along * ta, b + along * tb
     return [(ma - half * tb, mb + half * ta), (ma + half * tb, mb - half * ta)]
-
-
-def chords_of(stretch: OutlinePart, step: float) -> list[Point]:
-    """Its end, and for an arc the points before it, at most `step` [rad] apart."""
-    points: list[Point] = []
-    if stretch.sense:
-        (ca, cb), (a, b) = stretch.centre, stretch.begin
-        sweep, first = _turn(stretch, stretch.end), atan2(b - cb, a - ca)
-        parts = max(1, math.ceil(sweep / step))
-        for k in range(1, parts):
-            angle = first + stretch.sense * sweep * k / parts
-            points.append((ca + stretch.radius * cos(angle), cb + stretch.radius * sin(angle)))
-    return [*points, stretch.end]

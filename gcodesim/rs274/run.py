@@ -291,11 +291,7 @@ class Executor:
         words = self._words(block)
         settings = _evaluated(block, control.parameters)
         try:
-            for number, value, _place in settings:
-                if isinstance(number, str):
-                    control.parameters.set_named(number, value)
-                else:
-                    control.parameters.set_by_program(number, value)
+            _assign(settings, control.parameters)
             notes.execute_all(block.comments, control)
         except Fault as fault:
             if fault.at is None and settings:
@@ -335,11 +331,7 @@ class Executor:
                     flow.execute(block.flow, index)
                     continue
                 words = self._words(block)
-                for name, value, _place in _evaluated(block, control.parameters):
-                    if isinstance(name, str):
-                        control.parameters.set_named(name, value)
-                    else:
-                        control.parameters.set_by_program(name, value)
+                _assign(_evaluated(block, control.parameters), control.parameters)
                 if block.words:
                     yield words
         except Fault as fault:
@@ -655,9 +647,22 @@ def _declare(block: Block, control: Control) -> None:
             control.warn("GS120", f"#<{name}> is used in the block that sets it first, where it counts as 0")
 
 
-def _evaluated(block: Block, parameters: Parameters) -> list[tuple[int | str, float, tuple[int, int]]]:
-    """Carry out the settings of a block; all values are those from before the block."""
-    out: list[tuple[int | str, float, tuple[int, int]]] = []
+_Assignments = list[tuple[int | str, float, tuple[int, int]]]
+"""Number or name of a parameter, its new value, and where in the line that stands."""
+
+
+def _assign(settings: _Assignments, parameters: Parameters) -> None:
+    """Carry out the settings of a block."""
+    for number, value, _place in settings:
+        if isinstance(number, str):
+            parameters.set_named(number, value)
+        else:
+            parameters.set_by_program(number, value)
+
+
+def _evaluated(block: Block, parameters: Parameters) -> _Assignments:
+    """The settings of a block; all values are those from before the block."""
+    out: _Assignments = []
     for index, value, place in block.settings:
         try:
             if isinstance(index, Name):
