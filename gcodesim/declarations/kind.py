@@ -20,6 +20,12 @@ SCHEMA_DIALECT: Final = "https://json-schema.org/draft/2020-12/schema"
 """Which JSON Schema our schemas are written in."""
 
 
+def document(title: str, root: Json, definitions: dict[str, Json] | None = None) -> Json:
+    """A whole schema; `definitions` are what it shares, in the order of their names."""
+    whole = {"$schema": SCHEMA_DIALECT, "title": title, **root}
+    return whole | ({"$defs": {name: definitions[name] for name in sorted(definitions)}} if definitions else {})
+
+
 class Kind(ABC):
     """What a key expects."""
 

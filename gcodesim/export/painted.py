@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import zipfile
-from pathlib import Path
 from typing import BinaryIO, ClassVar, Final, Literal
 from xml.sax.saxutils import quoteattr
 
@@ -12,7 +11,7 @@ from numpy.typing import NDArray
 
 from gcodesim.arithmetic.matrices import applied
 from gcodesim.export.exporter import Exporter, NoExportError, Option, Request
-from gcodesim.export.part import frame_of, part_surface, stock_names
+from gcodesim.export.part import frame_of, part_surface, stock_file_of
 from gcodesim.files.output_folder import SKIN_SUFFIX
 from gcodesim.frames import Array
 from gcodesim.frozen import frozen
@@ -71,9 +70,8 @@ def coloured_part(recording: Recording, request: Request) -> ColouredPart:
 def _skin_of(recording: Recording, stock: str | None) -> PaintedSkin | None:
     """The skin beside the log, if it is there and whole."""
     frame_of(recording, stock)  # refuses a name that there is not
-    name = stock or stock_names(recording)[0]
-    file = None if recording.folder is None else recording.folder / f"{Path(name).name}{SKIN_SUFFIX}"
-    if file is None or not file.is_file():
+    file = stock_file_of(recording, stock, SKIN_SUFFIX)
+    if file is None:
         return None
     try:
         return read_skin(file.read_bytes(), file.name)

@@ -99,8 +99,8 @@ class Stl(Exporter):
         return f"the part at {request.moment(recording) * 1e-9:g} s, {how}, {written.triangles} triangles,"
 
 
-def _beside(recording: Recording, stock: str | None, suffix: str) -> Path | None:
-    """A file of that stock in the output folder, if it is there."""
+def stock_file_of(recording: Recording, stock: str | None, suffix: str) -> Path | None:
+    """The file in the output folder with what a stock is named and this suffix, if it is there."""
     if recording.folder is None:
         return None
     file = recording.folder / f"{Path(stock or stock_names(recording)[0]).name}{suffix}"
@@ -111,7 +111,7 @@ def _written(recording: Recording, stock: str | None) -> Path | None:
     """The STL file that the run has written with the stock file, if both are there."""
     from gcodesim.material.stock_file import SUFFIX
 
-    return None if _beside(recording, stock, SUFFIX) is None else _beside(recording, stock, ".stl")
+    return None if stock_file_of(recording, stock, SUFFIX) is None else stock_file_of(recording, stock, ".stl")
 
 
 def _computed(recording: Recording, stock: str | None) -> Surface | None:
@@ -119,7 +119,7 @@ def _computed(recording: Recording, stock: str | None) -> Surface | None:
     from gcodesim.material.stock_file import SUFFIX, load_stock
     from gcodesim.material.true_volume import surface_for_files
 
-    file = _beside(recording, stock, SUFFIX)
+    file = stock_file_of(recording, stock, SUFFIX)
     return None if file is None else surface_for_files(load_stock(file))
 
 

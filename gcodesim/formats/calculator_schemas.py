@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from gcodesim.declarations.kind import Json
-from gcodesim.formats.json_schema import array, choice, document, number, record, table, text, whole
+from gcodesim.declarations.kind import Json, document
+from gcodesim.formats.json_schema import array, choice, number, record, table, text, whole
 
 
 def process() -> Json:

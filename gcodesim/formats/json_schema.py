@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import fields, is_dataclass
 from typing import Any, Final, Literal, Union, get_args, get_origin, get_type_hints
 
-from gcodesim.declarations.kind import SCHEMA_DIALECT, Json
+from gcodesim.declarations.kind import Json
 
 _PLAIN: Final = {str: "string", float: "number", int: "integer", bool: "boolean", type(None): "null"}
 
@@ -96,9 +96,3 @@ def of_type(hint: Any, definitions: dict[str, Json]) -> Json:
     if isinstance(origin, type) and issubclass(origin, Mapping):
         return {"type": "object", "additionalProperties": of_type(arguments[1], definitions)}
     raise TypeError(f"no schema for {hint}")
-
-
-def document(title: str, root: Json, definitions: Mapping[str, Json] | None = None) -> Json:
-    """A whole schema."""
-    whole_one = {"$schema": SCHEMA_DIALECT, "title": title, **root}
-    return whole_one | ({"$defs": {name: definitions[name] for name in sorted(definitions)}} if definitions else {})

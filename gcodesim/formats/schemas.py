@@ -5,14 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, Final, get_args
 
-from gcodesim.declarations.kind import Json
+from gcodesim.declarations.kind import Json, document
 from gcodesim.diagnostics import PATTERN
 from gcodesim.formats.calculator_schemas import optimise, process
 from gcodesim.formats.canon_schema import canon
 from gcodesim.formats.json_schema import (
     array,
     choice,
-    document,
     nullable,
     number,
     of_dataclass,

@@ -12,7 +12,7 @@ from gcodesim.cell.settings import CODE_PATTERNS, code_pattern
 from gcodesim.declarations.composed import ListOf
 from gcodesim.declarations.files import Shelf
 from gcodesim.declarations.keys import key
-from gcodesim.declarations.kind import POSITIVE, SCHEMA_DIALECT, Json, Kind, Range, short
+from gcodesim.declarations.kind import POSITIVE, Json, Kind, Range, document, short
 from gcodesim.declarations.map_of import MapOf
 from gcodesim.declarations.nodes import Mapping as MappingNode
 from gcodesim.declarations.nodes import Node, Scalar, compose
@@ -216,9 +216,4 @@ def case_schema() -> Json:
     """JSON Schema (2020-12) of test files, for editors."""
     definitions: dict[str, Json] = {}
     root = _ROOT.schema(definitions)
-    return {
-        "$schema": SCHEMA_DIALECT,
-        "title": "gcodesim test file",
-        **root,
-        "$defs": {name: definitions[name] for name in sorted(definitions)},
-    }
+    return document("gcodesim test file", root, definitions)

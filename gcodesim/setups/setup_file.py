@@ -12,7 +12,7 @@ from gcodesim.cell.placing import names_of
 from gcodesim.declarations.file_kind import File, FileValue
 from gcodesim.declarations.files import Shelf, folders_of_the_user
 from gcodesim.declarations.keys import all_keys, key
-from gcodesim.declarations.kind import SCHEMA_DIALECT, Json, Kind
+from gcodesim.declarations.kind import Json, Kind, document
 from gcodesim.declarations.map_of import MapOf
 from gcodesim.declarations.nodes import Mapping as MappingNode
 from gcodesim.declarations.nodes import Node, Scalar, compose
@@ -169,9 +169,4 @@ def job_schema() -> Json:
     """JSON Schema (2020-12) of job files, for editors."""
     definitions: dict[str, Json] = {}
     root = _ROOT.schema(definitions)
-    return {
-        "$schema": SCHEMA_DIALECT,
-        "title": "gcodesim job",
-        **root,
-        "$defs": {name: definitions[name] for name in sorted(definitions)},
-    }
+    return document("gcodesim job", root, definitions)

@@ -10,7 +10,11 @@ from gcodesim.cli.exits import OK, UsageError
 from gcodesim.cli.nearest import no_such
 from gcodesim.cli.outline import may_be
 
-_NAMES = ("results", "findings", "test", "diff", "canon", "process", "optimise", "baseline", "cell", "test-file")
+NAMES = (
+    *("results", "setups", "findings", "test", "mutants", "diff", "canon", "process", "optimise", "baseline", "info"),
+    *("cell", "test-file", "job-file"),
+)
+"""Those of `SCHEMAS`, which help and completion need not load."""
 
 
 def add_parser(commands: Any) -> None:
@@ -18,10 +22,10 @@ def add_parser(commands: Any) -> None:
         "schema",
         help="the JSON Schema of results, findings, verdicts, cells …",
         description="Print a JSON Schema (2020-12). results: results.json and what run and check print as JSON; "
-        "findings: lint and cell validate; test, diff, canon, process, optimise: these commands; baseline, "
-        "cell, test-file: files that are read.",
+        "setups: setups.json; findings: lint and cell validate; test, diff, canon, process, optimise, info: these "
+        "commands; mutants: test --mutate; baseline, cell, test-file, job-file: files that are read.",
     )
-    may_be(parser.add_argument("name", metavar="NAME", help=", ".join(_NAMES)), lambda: _NAMES)
+    may_be(parser.add_argument("name", metavar="NAME", help=", ".join(NAMES)), lambda: NAMES)
     parser.set_defaults(run=run)
 
 

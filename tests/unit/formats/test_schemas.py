@@ -13,6 +13,7 @@ from jsonschema import Draft202012Validator
 
 import gcodesim.canon.events as ev
 from gcodesim.cli import main
+from gcodesim.cli.commands.schema import NAMES
 from gcodesim.formats.canon_schema import EVENTS
 from gcodesim.formats.json_schema import of_type
 from gcodesim.formats.schemas import SCHEMAS, schema_of
@@ -220,3 +221,7 @@ def test_all_listings_of_the_conformance_corpus_fit() -> None:
 def test_types_without_a_schema_are_told(kind: Any) -> None:
     with pytest.raises(TypeError):
         of_type(kind, {})
+
+
+def test_the_command_names_all_of_them() -> None:
+    assert tuple(SCHEMAS) == NAMES
