@@ -67,7 +67,7 @@ class Steps(NamedTuple):
     marks: Array
 
 
-class RowsThere(NamedTuple):
+class SeamRows(NamedTuple):
     """Of seams (n,): sine and cosine of the angle before, and of the row there what `Seams.numbers` says [m]."""
 
     sines: Array
@@ -220,7 +220,7 @@ def note_seams(
 
 @kernel(lean=True)
 def lay_spots(
-    tip: Array, heading: Heading, clearance: Clearance, rows: RowsThere, least: Array, most: Array, spots: Spots
+    tip: Array, heading: Heading, clearance: Clearance, rows: SeamRows, least: Array, most: Array, spots: Spots
 ) -> None:
     """Where to ask half-way of each search (n,), as `share_at` does for one angle.
 
@@ -268,11 +268,11 @@ def settle_seams(
     least, most, half, share = numbers[LEAST], numbers[MOST], numbers[HALF], numbers[SHARE]
     share_least, share_most = numbers[SHARE_LEAST], numbers[SHARE_MOST]
     spots = Spots(numbers[X], numbers[Y], numbers[BOTTOM], numbers[TOP])
-    there = RowsThere(
+    at_seams = SeamRows(
         numbers[SINE], numbers[COSINE], numbers[RADII], numbers[OUTERS], numbers[LOWS], numbers[HIGHS], numbers[WAYS]
     )
     for _ in range(HALVINGS):
-        lay_spots(tip, heading, clearance, there, least, most, spots)
+        lay_spots(tip, heading, clearance, at_seams, least, most, spots)
         if ask_spots(field, spots, share):
             for k in range(number):
                 if share[k] == ELSEWHERE:
