@@ -35,8 +35,8 @@ MOST_STEPS: Final = 2000
 LONGEST_WAY: Final = MOST_PARTS * LONGEST_CHORD
 """The longest way [m] of a step at feed: a window divides it into chords that still follow an arc."""
 
-
 CHORD_OVER_TABLE: Final = 2.0 * LONGEST_CHORD
+"""The longest way [m] of a step over a table that moves, where a window does not divide steps."""
 
 
 @frozen

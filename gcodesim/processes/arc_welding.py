@@ -13,7 +13,7 @@ from gcodesim.frozen import frozen
 from gcodesim.processes.column import ADDED, ENGAGED, FINDINGS, LINES, LOG, RESULTS, Column, Shown
 from gcodesim.processes.protocol import Process
 from gcodesim.processes.signal import ACTIVE, FEED, Signal
-from gcodesim.processes.window import ProcessState, ProcessStep, Window
+from gcodesim.processes.window import ProcessState, ProcessStep, Window, sums_by_step
 from gcodesim.tools.welding_torch import WeldingTorch
 
 if TYPE_CHECKING:
@@ -108,19 +108,19 @@ class ArcWelding(Process):
             np.maximum.at(greatest, step, values)
         power = torch.efficiency * (torch.voltage or 0.0) * (torch.current or 0.0)
         columns = {
-            "added": _sums(step, molten.volume, n),
+            "added": sums_by_step(step, molten.volume, n),
             "engaged": on,
             "arc": on,
-            "wire": _sums(step, melted, n),
-            "spatter": _sums(step, melted - volume, n),
+            "wire": sums_by_step(step, melted, n),
+            "spatter": sums_by_step(step, melted - volume, n),
             "arc_heat": np.where(on, power * window.dt, 0.0),
             "heat_per_length": np.where(on & steady, power / np.where(steady, speed, 1.0), 0.0),
             "weld_height": height,
             "weld_width": wide,
             "too_steep": steep,
-            "arc_on_nothing": _sums(step, molten.lost, n),
+            "arc_on_nothing": sums_by_step(step, molten.lost, n),
             "arc_in_rapid": on & window.rapid,
-            "weld_nominal": _sums(step, volume, n),
+            "weld_nominal": sums_by_step(step, volume, n),
         }
         return ProcessStep.free(n, columns)
 
@@ -130,10 +130,3 @@ class ArcWelding(Process):
         from gcodesim.processes.arc_misuse import arc_findings
 
         return arc_findings(rows)
-
-
-def _sums(step: NDArray[np.int64], value: Array, steps: int) -> Array:
-    """Sums (steps,) of `value` (c,) over the pieces of each step."""
-    totals = np.zeros(steps)
-    np.add.at(totals, step, value)
-    return totals

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from gcodesim.frozen import frozen
 from gcodesim.processes.column import ENGAGED, FINDINGS, LINES, LOG, REMOVED, RESULTS, Column
 from gcodesim.processes.protocol import Process
-from gcodesim.processes.window import ProcessState, ProcessStep, Window
+from gcodesim.processes.window import ProcessState, ProcessStep, Window, sums_by_step
 from gcodesim.units import MM, MM3
 
 if TYPE_CHECKING:
@@ -115,13 +115,13 @@ class Beam(Process):
             window.piece_start[lit], window.piece_end[lit], window.axis[step], setting.takes[step] * seconds, given
         )
         struck = strike_stock(stock, form, way, self.dose, self.threshold)
-        removed = _sums(step, struck.taken, n)
+        removed = sums_by_step(step, struck.taken, n)
         off, dose, sharp = np.zeros(n), np.zeros(n), np.zeros(n, dtype=bool)
         allowed = tool.tolerance * (1.0 + 1e-9)
         np.maximum.at(off, step, np.where(np.isfinite(struck.off) & (struck.off > allowed), struck.off, 0.0))
         sharp[step[struck.off <= allowed]] = True
         np.maximum.at(dose, step, struck.dose)
-        landed = _sums(step, struck.met, n)
+        landed = sums_by_step(step, struck.met, n)
         return ProcessStep.free(
             n,
             {
@@ -133,7 +133,7 @@ class Beam(Process):
                 "beam_in_rapid": setting.on & window.rapid,
                 "beam_without_gas": setting.on & ~setting.gas & (landed > 0.0),
                 "beam_too_much": setting.beyond,
-                self.given: _sums(step, given, n),
+                self.given: sums_by_step(step, given, n),
                 self.landed: landed,
                 self.dose: dose,
             },
@@ -151,10 +151,3 @@ def switched(window: Window, known: NDArray[np.bool_]) -> NDArray[np.bool_]:
     """Whether the beam is on (n,) by the signal `beam`; where that was never given, where its power is `known`."""
     beam = window.signals["beam"]
     return np.where(np.isnan(beam), known, beam > 0.0).astype(bool)
-
-
-def _sums(step: NDArray[np.int64], value: Array, steps: int) -> Array:
-    """Sums (steps,) of `value` (c,) over the pieces of each step."""
-    totals = np.zeros(steps)
-    np.add.at(totals, step, value)
-    return totals

@@ -20,7 +20,7 @@ from gcodesim.frozen import frozen
 from gcodesim.processes.column import ADDED, ENGAGED, RESULTS, Column, Shown
 from gcodesim.processes.protocol import Process
 from gcodesim.processes.signal import ACTIVE, BEAD_HEIGHT, BEAD_WIDTH, FLOW, Signal
-from gcodesim.processes.window import ProcessState, ProcessStep, Window
+from gcodesim.processes.window import ProcessState, ProcessStep, Window, sums_by_step
 from gcodesim.tools.extruder import Extruder, RayCone
 
 if TYPE_CHECKING:
@@ -92,7 +92,7 @@ class Extrusion(Process):
         laid = window.signals[ACTIVE.name][window.piece_step] > 0.0
         way = norms(window.piece_end - window.piece_start)
         lengths = way * laid
-        nominal = _sums(window.piece_step, self.extruder.bead_area * lengths, n)
+        nominal = sums_by_step(window.piece_step, self.extruder.bead_area * lengths, n)
         columns = {"nominal": nominal, "engaged": nominal > 0.0}
         if stock is not None and laid.any():
             from gcodesim.material.strand import carried
@@ -103,9 +103,9 @@ class Extrusion(Process):
             found = stock.add_bead(start, end, width, height)
             hanging = length * (1.0 - carried(stock, start, end, width, height))
             columns |= {
-                "added": _sums(step, found.volume, n),
-                "unsupported": _sums(step, hanging, n),
-                "laid_length": _sums(step, length, n),
+                "added": sums_by_step(step, found.volume, n),
+                "unsupported": sums_by_step(step, hanging, n),
+                "laid_length": sums_by_step(step, length, n),
             }
         return ProcessStep.free(n, columns)
 
@@ -149,7 +149,7 @@ class Extrusion(Process):
             "laid_length": length,
             "meant": asked,
         }
-        sums = {name: _sums(step, values, n) for name, values in columns.items()}
+        sums = {name: sums_by_step(step, values, n) for name, values in columns.items()}
         return ProcessStep.free(n, {**sums, "engaged": sums["extruded"] > 0.0})
 
     def _by_rays(
@@ -177,7 +177,7 @@ class Extrusion(Process):
             "extruded": volume[some],
             "beside": volume[some] - fallen.volume,
         }
-        sums = {name: _sums(step, values, n) for name, values in columns.items()}
+        sums = {name: sums_by_step(step, values, n) for name, values in columns.items()}
         return ProcessStep.free(n, {**sums, "engaged": sums["extruded"] > 0.0})
 
     @classmethod
@@ -186,10 +186,3 @@ class Extrusion(Process):
         from gcodesim.processes.printing import printing_findings
 
         return printing_findings(rows)
-
-
-def _sums(step: NDArray[np.int64], value: Array, steps: int) -> Array:
-    """Sums (steps,) of `value` (c,) over the pieces of each step."""
-    totals = np.zeros(steps)
-    np.add.at(totals, step, value)
-    return totals

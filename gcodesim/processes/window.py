@@ -96,3 +96,10 @@ class ProcessState:
     """
 
     values: Array = field(default_factory=lambda: np.zeros(0))
+
+
+def sums_by_step(step: NDArray[np.int64], value: Array, steps: int) -> Array:
+    """Sums (steps,) of `value` (c,) over the pieces of each step, of which `step` (c,) says the number."""
+    totals = np.zeros(steps)
+    np.add.at(totals, step, value)
+    return totals

@@ -323,7 +323,8 @@ class Executor:
                 frame.at = index + 1
                 left -= 1
                 if left < 0:
-                    raise Fault("GS106", f"the contour O{number} has more than {_MOST_OF_CONTOUR} blocks")
+                    message = f"the contour O{number} has more than {_MOST_OF_CONTOUR} blocks"
+                    raise Fault("GS106", message, hint="does a loop in it come to its end?")
                 block = frame.file.block(index)
                 if block.deleted and self.settings.block_delete:
                     continue
