@@ -95,7 +95,7 @@ CODES: tuple[Code, ...] = (
         code="GS413",
         severity=Severity.WARNING,
         title="Part beside its stock",
-        what="A stock with `inside` takes the place of a part of another stock, but the two have no place in common.",
+        what="A stock with `inside` takes the place of a part of another stock, but the two do not overlap.",
         why="A screw that lies beside its plate is never met; the cut in the plate feels the plate alone.",
         remedy="`xyz` of the part counts from the frame of the stock that it is inside of; `cell show` prints both.",
     ),
