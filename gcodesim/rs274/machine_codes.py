@@ -161,7 +161,7 @@ def change_tool(words: Words, control: Control) -> None:
         if state.selected < 0:
             control.warn("GS193", "M6 without any T word before it empties the spindle", "write T1 M6")
         number = max(state.selected, 0)
-        if state.spindle:
+        if state.spindle and not control.dialect.turret:
             state.spindle = 0
             control.say_spindle()
     else:

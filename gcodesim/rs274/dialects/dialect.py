@@ -78,7 +78,8 @@ class Dialect:
     whether one may be turned about Z. `options` are settings that this control alone has, each with what it may be, the
     usual one first. `prints`: a control of 3D printers, whose E words are filament. `tip_m_codes` are M codes
     with which a control whose machine turns tool or work begins (True) and ends to hold the tip;
-    a cell may map them to something else.
+    a cell may map them to something else. `turret`: a tool change turns a turret, and the spindle, which carries the
+    work, goes on.
     """
 
     name: str
@@ -113,6 +114,7 @@ class Dialect:
     options: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     prints: bool = False
     tip_m_codes: Mapping[int, bool] = field(default_factory=dict)
+    turret: bool = False
 
     def option(self, name: str, given: Mapping[str, str]) -> str:
         """What an option of this control is set to, by the settings `given`; ValueError if it cannot be that."""

@@ -12,4 +12,5 @@ FANUC_LATHE = dataclasses.replace(
     executor="gcodesim.rs274.fanuc.lathe:FanucLatheExecutor",
     lathe=None,
     further_systems=(),  # those of the milling control
+    turret=True,
 )

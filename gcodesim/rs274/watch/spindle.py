@@ -48,6 +48,7 @@ class FeedWithoutSpindle(Watch):
     def __init__(self) -> None:
         self._turning = False
         self._unturned: frozenset[int] = frozenset()
+        self._turret = False
         self._sure = True  # whether it turns is known
         self._tool = 0
         self._zero = 0.0  # height of part zero in the machine frame
@@ -59,6 +60,7 @@ class FeedWithoutSpindle(Watch):
 
     def block(self, words: Words, control: Control) -> None:
         self._unturned = control.settings.unturned
+        self._turret = control.dialect.turret
 
     def event(self, event: canon.Event) -> None:
         kind = type(event)
@@ -199,7 +201,7 @@ class FeedWithoutSpindle(Watch):
                 message=f"{who} is fed at Z{z:.3f} mm with the spindle off; "
                 f"elsewhere the program cuts at Z{level:.3f} mm with it turning",
                 span=low.span,
-                hint="say S and M3 or M4 before; M6 stops the spindle",
+                hint="say S and M3 or M4 before" + ("" if self._turret else "; M6 stops the spindle"),
                 value=z,
                 limit=level,
                 unit="mm",

@@ -630,3 +630,31 @@ def test_all_systems_are_variables_twice(fanuc):
 
     assert done.ends == [[6, 0, 0]]
     assert done.run.parameters[100] == 5
+
+
+def test_a_turret_turns_while_the_spindle_goes_on(program):
+    """On a lathe the spindle carries the work: T0202 does not stop it, M6 of a mill does."""
+    lathe = program(
+        body("T0101", "G97 S1000 M3", "G0 X20. Z2.", "G1 Z-5. F0.2", "G0 X40.", "T0202", "G0 X18.", "G1 Z-4.", "M30"),
+        dialect="fanuc_lathe",
+    )
+    mill = program(
+        body(
+            "T1 M6",
+            "G43 H1 Z50. S1000 M3",
+            "G1 Z-5. F100.",
+            "X9.",
+            "G0 Z50.",
+            "T2 M6",
+            "G43 H2 Z5.",
+            "G1 Z-4.",
+            "X0.",
+            "M30",
+        ),
+        dialect="fanuc",
+    )
+
+    assert {event["line"] for event in lathe.acts("spindle")} == {4, 11}
+    assert {event["line"] for event in mill.acts("spindle")} == {4, 8}
+    assert [f.code for f in lathe.findings] == []
+    assert "GS176" in [f.code for f in mill.findings]
