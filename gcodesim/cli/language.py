@@ -61,6 +61,7 @@ class Language:
             "dialect": given.dialect,
             "tool_table": self.tools,
             "parameters": {**settings.parameters, **self.parameters} if self.parameters else None,
+            "presets": {**settings.presets, **given.presets} or None,
             "subroutines": (*settings.subroutines, *given.subs) if given.subs else None,
             "block_delete": given.block_delete,
             "options": {**settings.options, "decimal_point": given.decimal_point} if given.decimal_point else None,

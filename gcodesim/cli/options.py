@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import sys
+from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -88,6 +89,24 @@ class _Channels(argparse.Action):
         setattr(namespace, self.dest, {**known, name.strip(): Path(path)})
 
 
+class _Presets(argparse.Action):
+    """Collects NAME=VALUE; a parameter comes once."""
+
+    def __call__(self, parser: argparse.ArgumentParser, namespace: argparse.Namespace, values: Any, *_: object) -> None:
+        from gcodesim.declarations.scalars import measured
+        from gcodesim.rs274.presets import as_written, parameter_of
+
+        name, _equals, text = str(values).partition("=")
+        parameter, number = parameter_of(name), measured(text)
+        if parameter is None or number is None or number.unit or not isfinite(number.value):
+            what = "NAME=VALUE is expected, such as depth=2 or 100=2.5"
+            raise argparse.ArgumentError(self, f"{what}, not {values}")
+        known = getattr(namespace, self.dest)
+        if parameter in known:
+            raise argparse.ArgumentError(self, f"{as_written(parameter)} has two values")
+        setattr(namespace, self.dest, {**known, parameter: number.value})
+
+
 def add_channels(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--channel",
@@ -154,6 +173,15 @@ def add_language(parser: argparse.ArgumentParser) -> None:
         help="folder with subroutine files; may be given several times",
     )
     group.add_argument("--parameters", type=Path, metavar="FILE", help="parameter file of the control (.var)")
+    group.add_argument(
+        "--set",
+        dest="presets",
+        action=_Presets,
+        default={},
+        metavar="NAME=VALUE",
+        help="a parameter's value before the program begins, such as depth=2 for #<depth> or 100=2 for #100, in units "
+        "of the program; may be given several times",
+    )
     group.add_argument(
         "--block-delete",
         nargs="?",

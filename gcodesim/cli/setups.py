@@ -42,7 +42,7 @@ from gcodesim.setups.setup_file import JobFile, folders_of_job, read_job_file
 if TYPE_CHECKING:
     from gcodesim.executor import Progress
 
-_READING = ("dialect", "block_delete", "decimal_point", "max_blocks", "time_limit")
+_READING = ("dialect", "block_delete", "decimal_point", "max_blocks", "time_limit", "presets")
 
 
 def run_job(arguments: argparse.Namespace) -> int:

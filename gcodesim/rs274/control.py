@@ -70,7 +70,7 @@ class Control:
         self.frames: list[Frame] = []
         self.returned = 0.0
         self.value_returned = False
-        self._restore_systems()
+        self.restore_systems()
 
     def _first_state(self) -> ModalState:
         return ModalState()
@@ -254,7 +254,7 @@ class Control:
             self.last_system = event
             self.out.append(event)
 
-    def _restore_systems(self) -> None:
+    def restore_systems(self) -> None:
         """Put the offsets of a parameter file in force from the start."""
         get = self.parameters.get
         index = round(get(numbers.ACTIVE_SYSTEM))

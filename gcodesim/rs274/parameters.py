@@ -118,6 +118,13 @@ class Parameters:
             raise Fault("GS122", f"#{number} shows the state of the machine and cannot be set")
         self.set(number, value)
 
+    def preset(self, parameter: int | str, value: float) -> None:
+        """Give a number or a name its value before the program begins."""
+        if isinstance(parameter, str):
+            self.set_named(parameter, value)
+        else:
+            self.set_by_program(self.index(float(parameter)), value)
+
     def set(self, number: int, value: float) -> None:
         """Store a number so that `roll_back` can undo it."""
         self.changes += 1

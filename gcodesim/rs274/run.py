@@ -27,7 +27,8 @@ from gcodesim.rs274.length_words import length_words
 from gcodesim.rs274.machine_codes import heard, load_first_tool
 from gcodesim.rs274.odd_numbers import odd_numbers
 from gcodesim.rs274.other_machines import Foreign, foreign_of, lathe_of
-from gcodesim.rs274.parameters import Parameters
+from gcodesim.rs274.parameters import KEPT, Parameters
+from gcodesim.rs274.presets import preset, unused_presets
 from gcodesim.rs274.probing import tripped
 from gcodesim.rs274.program_file import ProgramFile
 from gcodesim.rs274.reader import Reader
@@ -156,6 +157,10 @@ class Executor:
         control, flow = self.control, self.flow
         out = control.out
         control.span = Span(self.file.name)
+        for fault in preset(control.parameters, self.settings.presets):
+            self._report(Diagnostic(code=fault.code, message=fault.message, span=control.span, hint=fault.hint), None)
+        if any(number in KEPT for number in self.settings.presets):
+            control.restore_systems()
         self._initial_path_control()
         control.say_system()
         if control.state.point_control:
@@ -599,6 +604,9 @@ class Executor:
         if reached:
             run.findings.extend(structure_findings(self.file, control.span))
             run.findings.extend(unclosed_findings(self.file))
+        if self.settings.presets:
+            others = (file.source for file in self.flow.files.values())
+            run.findings.extend(unused_presets(run.source, others, self.settings.presets))
         run.not_simulated = dict(control.not_simulated)
         for word, (count, first) in control.not_simulated.items():
             code, hint = _code_of_skipped(word, control.dialect)

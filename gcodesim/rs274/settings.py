@@ -27,6 +27,8 @@ class MappedAction:
 class Settings:
     """Everything besides the text. Lengths of the tool table in SI; `parameters` as on the control (mm).
 
+    `presets` are parameters, by number or name, that whoever starts the program gives a value in program units; it is
+    told if that cannot have an effect.
     `m_codes` maps `M10` or `M62 P1` to actions. `wired` are outputs that the cell
     listens to, digital such as `P1`, analog such as `E0`. `auto_length` gives the true
     length [m] of each tool of the cell; with `tool_length="auto"` a program
@@ -57,6 +59,7 @@ class Settings:
     dialect: str = "linuxcnc"
     tool_table: ToolTable = field(default_factory=ToolTable)
     parameters: Mapping[int, float] = field(default_factory=dict)
+    presets: Mapping[int | str, float] = field(default_factory=dict)
     subroutines: tuple[Path, ...] = ()
     block_delete: bool = False
     optional_stop: bool = False

@@ -142,6 +142,14 @@ CODES: tuple[Code, ...] = (
         remedy="Check the values that go into the expression.",
     ),
     Code(
+        code="GS144",
+        severity=Severity.WARNING,
+        title="Value given beforehand without effect",
+        what="A parameter was given a value before the program began (--set, or by a study), and nothing reads it.",
+        why="The run is not the one that was asked for: all values that were tried would give the same part.",
+        remedy="Read the parameter in the program, or remove the line that sets it anew.",
+    ),
+    Code(
         code="GS130",
         severity=Severity.ERROR,
         title="Flow that does not fit together",

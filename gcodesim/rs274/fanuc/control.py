@@ -187,7 +187,7 @@ class FanucControl(Control):
     def use_system(self, index: int) -> None:
         self.reframe(system=index)
 
-    def _restore_systems(self) -> None:
+    def restore_systems(self) -> None:
         x, y, z, a, b, c = self.settings.start
         degrees = [self.machine_angle(v) for v in (a, b, c)]
         self.state.current = (x / MM, y / MM, z / MM, *degrees, 0.0, 0.0, 0.0)  # type: ignore[assignment]

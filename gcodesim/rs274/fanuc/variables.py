@@ -92,6 +92,11 @@ class Variables(Parameters):
             return float(sum(2**axis for axis in range(3) if control.state.mirror[axis] is not None))
         return self.numbers.get(number, 0.0)
 
+    def preset(self, parameter: int | str, value: float) -> None:
+        if isinstance(parameter, str):
+            raise Fault("GS121", f"#<{parameter}> is no variable of this control", hint="#1–#33, #100–#199, #500–#999")
+        self.write(self.index(float(parameter)), value)
+
     def everything(self) -> dict[object, float]:
         return {number: value for store in (self.numbers, self.local) for number, value in store.items()}
 
