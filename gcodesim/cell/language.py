@@ -3,16 +3,21 @@
 from __future__ import annotations
 
 from math import degrees
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
+import numpy as np
+
+from gcodesim import canon
 from gcodesim.arithmetic.elementary import atan2
+from gcodesim.arithmetic.matrices import applied
 from gcodesim.canon.systems import name_of_system
 from gcodesim.cell import Cell, Placement, place
 from gcodesim.cell.arm_point import ArmPoint
 from gcodesim.cell.cell import MAIN
 from gcodesim.cell.device import Device
 from gcodesim.cell.externals import SLIDING, columns_of
-from gcodesim.cell.machine import is_lathe
+from gcodesim.cell.machine import MachineTool, is_lathe
+from gcodesim.cell.robot import Robot
 from gcodesim.cell.tool_point import MachinePoint
 from gcodesim.diagnostics import Diagnostic, Severity, SourceText
 from gcodesim.frames import Pose
@@ -21,6 +26,9 @@ from gcodesim.rs274 import MappedAction, Settings, ToolEntry, ToolTable, read_pa
 from gcodesim.rs274.dialects import DIALECTS
 from gcodesim.rs274.tilt import Tilt
 from gcodesim.units import MM
+
+if TYPE_CHECKING:
+    from gcodesim.tools.tool import Tool
 
 AXIS_PLACES: Final = ("X", "Y", "Z")
 
@@ -45,13 +53,14 @@ def settings_of_cell(
     own = cell.channels[channel]
     placement = placement or place(cell, channel)
     findings: list[Diagnostic] = []
-    lengths = {number: tool.true_length for number, tool in cell.tools.items()}
+    offsets = {number: length_offset(tool, cell.machine_of(channel)) for number, tool in cell.tools.items()}
+    lengths = {number: z for number, (_, _, z) in offsets.items()}
     table = ToolTable(
         {
             number: ToolEntry(
                 number=number,
                 pocket=number,
-                offset=(0.0, 0.0, lengths[number], 0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
+                offset=(*offsets[number], 0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
                 diameter=float(getattr(tool, "diameter", 2.0 * getattr(tool, "nose_radius", 0.0))),
                 orientation=int(getattr(tool, "orientation", 0)),
                 comment=tool.name,
@@ -92,6 +101,7 @@ def settings_of_cell(
         tool_length=own.tool_length,
         loaded_tool=own.loaded_tool or 0,
         auto_length=lengths,
+        auto_aside={number: (x, y) for number, (x, y, _) in offsets.items() if x or y},
         path_control=_path_control(cell, channel),
         tool_point=_tool_point(cell, channel, placement),
         tip_first=cell.machine_of(channel).tip_first,
@@ -106,6 +116,19 @@ def settings_of_cell(
         },
     )
     return settings, findings
+
+
+def length_offset(tool: Tool, mover: MachineTool | Robot) -> canon.Point:
+    """What a control adds to the tip to give its axes [m]: on a machine from the tip to the nose of its spindle, in X,
+    Y and Z with all axes at zero; on an arm, whose tip is known in all directions, the length of the tool."""
+    if tool.tcp is None or not mover.axes:
+        return (0.0, 0.0, tool.true_length)
+    from gcodesim.kinematics import kinematics_of
+
+    kinematics = kinematics_of(mover.chain)
+    R_MF = kinematics.forward(np.zeros((1, len(kinematics.joints))))[0, :3, :3]
+    x, y, z = (-applied(R_MF, tool.X_FT.p) + 0.0).tolist()
+    return (x, y, z)
 
 
 def _tool_point(cell: Cell, channel: str, placement: Placement) -> MachinePoint | ArmPoint | None:

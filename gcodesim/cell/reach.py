@@ -25,7 +25,7 @@ def reach_findings(cell: Cell, channel: str, placement: Placement) -> Iterator[D
     if not cell.tools:
         return
     mover = cell.machine_of(channel)
-    longest = max(tool.true_length + tool.reach for tool in cell.tools.values())
+    longest = max(max(tool.true_length, norm(tool.X_FT.p)) + tool.reach for tool in cell.tools.values())
     tools = cell.tools.values()
     widest = max(tool.reach + max((body.widest for body in tool.primitives), default=0.0) for tool in tools)
     for name, X_WS in placement.stocks.items():

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from gcodesim.arithmetic.matrices import inverse_pose, multiplied, norms
+from gcodesim.arithmetic.matrices import applied, inverse_pose, multiplied, norms
 from gcodesim.canon.systems import name_of_system
 from gcodesim.checks.collisions import Obstacle, ToolParts, collision_finding, fixture_touches
 from gcodesim.checks.pairs import may_not_meet
@@ -96,8 +96,8 @@ def _hits(
         if number not in tools:
             continue
         mine = np.flatnonzero(tool_of_chord == number)
-        tips = way.nose + tools[number].true_length * way.out
-        axis = -(way.out[:-1] + way.out[1:])[mine]
+        tips, out = way.tips(tools[number])
+        axis = -(out[:-1] + out[1:])[mine]
         axis /= norms(axis)[:, None]
         parts = ToolParts.of(tools[number]).against(standing.role)
         touches = fixture_touches(parts, standing.bodies, tips[mine], tips[mine + 1], axis)
@@ -116,24 +116,31 @@ def _hits(
 
 @frozen(kw_only=False, eq=False)
 class _Way:
-    """Chords of a plan: the flange at n + 1 times, `nose` (n + 1, 3) and its Z `out`, and the path row (n,) of each."""
+    """Chords of a plan: the flange X_CF (n + 1, 4, 4) at their ends, and the path row (n,) of each."""
 
-    nose: Array
-    out: Array
+    flange: Array
     row: NDArray[np.int64]
+
+    def tips(self, tool: Tool) -> tuple[Array, Array]:
+        """Where the tip of a tool is (n + 1, 3), and where the tool points (n + 1, 3)."""
+        nose, out = self.flange[:, :3, 3], self.flange[:, :3, 2]
+        if tool.X_FN is None:
+            return nose + tool.true_length * out, out
+        X_FT = tool.X_FT
+        return applied(self.flange[:, :3, :3], X_FT.p) + nose, applied(self.flange[:, :3, :3], X_FT.R[:, 2])
 
 
 def _way(plan: Plan, time: Array, carrier: Callable[[Array], Array] | None) -> _Way:
-    nose, out = np.empty((len(time), 3)), np.empty((len(time), 3))
+    flange = np.empty((len(time), 4, 4))
     for first in range(0, len(time), _BLOCK):
         rows = slice(first, first + _BLOCK)
         q = plan.joints(plan.trajectory.sample(time[rows]))
         X = plan.kinematics.forward(q)
         if carrier is not None:
             X = multiplied(inverse_pose(carrier(q)), X)
-        nose[rows], out[rows] = X[:, :3, 3], X[:, :3, 2]
+        flange[rows] = X
     # the row in the middle of a chord, since its ends may belong to two
-    return _Way(nose, out, plan.trajectory.sample(0.5 * (time[:-1] + time[1:])).row)
+    return _Way(flange, plan.trajectory.sample(0.5 * (time[:-1] + time[1:])).row)
 
 
 def place_in_system(p_M: Array, state: ToolState) -> tuple[str, Array]:

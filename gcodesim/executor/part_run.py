@@ -387,6 +387,7 @@ def laden(tool: ToolBody, held: Sequence[tuple[Pose, MassOfSkin]]) -> ToolBody:
         com=(x, y, z),
         inertia=(own[0], own[1], own[2], own[3], own[4], own[5]),
         solids=tool.solids,
+        tip=tool.tip,
     )
 
 

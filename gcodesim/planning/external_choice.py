@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from gcodesim.frames import Array
 from gcodesim.frozen import frozen
 from gcodesim.planning.configuration import way_with
-from gcodesim.planning.flange_poses import flange_poses, turned
+from gcodesim.planning.flange_poses import flange_poses, turned, unbent
 from gcodesim.planning.guide import CHOSEN, Guide, Outside
 from gcodesim.planning.ladder import Rungs, turns_of
 from gcodesim.planning.ladder_kernels import ENDLESS, LIMITED, LINEAR, SLACK, TURN, Ladder, link, widest
@@ -155,6 +155,7 @@ class _Search:
         self.guide, self.outside, self.branches = guide, guide.outside, branches
         self.rows = probe.row[chosen]
         self.p, self.R = probe.p_BO[chosen], probe.R_BO[chosen]
+        self.bend = None if probe.bend is None else probe.bend[chosen]
         self.values = values[chosen]
         self.spins = TURN * np.arange(_SPINS) / _SPINS if spin is None else np.array([spin])
         self.free = np.flatnonzero(self.outside.columns == CHOSEN)
@@ -215,7 +216,8 @@ class _Search:
         row = np.repeat(self.rows, c)
         p, R = self.guide.from_arm(np.repeat(self.p, c, axis=0), np.repeat(self.R, c, axis=0), row, values)
         X = np.repeat(flange_poses(p, R, 0.0), s, axis=0)
-        q, exists = arm.branches_along(turned(X, np.tile(self.spins, r * c)))
+        bend = None if self.bend is None else np.repeat(np.repeat(self.bend, c, axis=0), s, axis=0)
+        q, exists = arm.branches_along(unbent(turned(X, np.tile(self.spins, r * c)), bend))
         if self.branches is not None:
             exists = exists & np.isin(np.arange(exists.shape[1]), self.branches)
         kind, lower, upper, turns = turns_of(arm.joints)

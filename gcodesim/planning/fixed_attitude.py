@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Final, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.arithmetic.matrices import multiplied
 from gcodesim.canon import Axes
 from gcodesim.diagnostics import Findings
 from gcodesim.frames import Array, Pose
@@ -74,6 +75,9 @@ class FixedAttitude:
     With a `law` the words a, b, c of the path lean O: about `axes[system]` in B, or those of B. It counts for the
     whole program when `words_lean`, else once the tip is commanded. `outside` are external axes; `platforms` says
     which of them carries the work of a system, so that points of that system go along with it.
+
+    `bends` are X_NF (4, 4) of bent tools by their numbers: what is said above of the flange holds for their nose N.
+    `held_bend` is that of the tool with which a leg goes on.
     """
 
     frames: Mapping[int, Array] = field(default_factory=dict)
@@ -90,6 +94,8 @@ class FixedAttitude:
     outside: Outside | None = None
     platforms: Mapping[int, int] = field(default_factory=dict)
     loads: Loads | None = None
+    bends: Mapping[int, Array] = field(default_factory=dict)
+    held_bend: Array | None = None
 
     @property
     def understands(self) -> frozenset[Commanded]:
@@ -115,19 +121,24 @@ class FixedAttitude:
         arm, own = (kinematics, home) if self.outside is None else self._arm_alone(home)
         path = _seen_from_base(path, self.X_BM)
         self._report_words(path, kinematics, findings)
-        rows = with_joint_rows(path, self.R_BO(path), joint_rapids=self.joint_rapids, held=self.held)
+        bend = self._bends(path)
+        held = self.held if self._holds_bend(bend) else None
+        rows = with_joint_rows(path, self.R_BO(path), joint_rapids=self.joint_rapids, held=held, bend=bend)
         path = rows.path
-        R_BO = self.R_BO(path)
+        R_BO, bend = self.R_BO(path), self._bends(path)
         guide = self._guide(path)
-        places = self._places(rows, R_BO, guide, home)
-        probe = SampledPath.of(rows, R_BO, guide) if places is None else places[0]
-        near = spin_of(arm.forward(own[None])[0, :3, :3], R_BO[0] if len(path) else self.upright)
+        places = self._places(rows, R_BO, guide, home, bend)
+        probe = SampledPath.of(rows, R_BO, guide, bend) if places is None else places[0]
+        at_start = arm.forward(own[None])[0, :3, :3]
+        if bend is not None and len(bend):
+            at_start = multiplied(at_start, bend[0, :3, :3].T)
+        near = spin_of(at_start, R_BO[0] if len(path) else self.upright)
         choice = choose_spin(arm, probe, own, near, self.spin)
         limits = choice.limits if guide is None else _with_words(choice.limits, guide, kinematics.joints)
         path = self._in_the_work(path)
         soft = bool(np.isfinite(kinematics.joints.jerk).any())
         pieces = blend(path, limits, own_time=np.where(rows.joint, 1.0, np.nan), even=soft)
-        flange = Flange(pieces, R_BO, offsets(path)[:, :3], choice.spin, guide=guide)
+        flange = Flange(pieces, R_BO, offsets(path)[:, :3], choice.spin, guide=guide, bend=bend)
         at_home = pieces.fixed & rows.home[pieces.row_first]
         if places is not None and guide is not None and guide.outside is not None:
             heads = np.flatnonzero(pieces.fixed & ~at_home)
@@ -160,13 +171,27 @@ class FixedAttitude:
         joints = ArmJoints(kinematics, flange, nodes, q_nodes, bridged, home, moves)
         return Posed(pieces, joints, caps.with_moves())
 
+    def _bends(self, path: ToolPath) -> Array | None:
+        """X_NF (n, 4, 4) of the tool of each row; None where all tools are straight."""
+        if not any(state.tool in self.bends for state in path.states):
+            return None
+        table = np.array([self.bends.get(state.tool, np.eye(4)) for state in path.states])
+        rows: Array = table[path.state]
+        return rows
+
+    def _holds_bend(self, bend: Array | None) -> bool:
+        """Whether a leg begins with the tool, or one that is bent alike, with which the last one ended."""
+        begins = np.eye(4) if bend is None or not len(bend) else bend[0]
+        holds = np.eye(4) if self.held_bend is None else self.held_bend
+        return bool(np.all(np.abs(begins - holds) < 1e-12))
+
     def _places(
-        self, rows: JointRows, R_BO: Array, guide: Guide | None, home: Array
+        self, rows: JointRows, R_BO: Array, guide: Guide | None, home: Array, bend: Array | None
     ) -> tuple[SampledPath, ChosenPlaces] | None:
         """Some poses as the arm sees them with external axes where they are chosen to stand; None: none is chosen."""
         if guide is None or guide.outside is None or not (guide.outside.columns == CHOSEN).any() or not len(rows.path):
             return None
-        work = SampledPath.of(rows, R_BO, replace(guide, outside=None))
+        work = SampledPath.of(rows, R_BO, replace(guide, outside=None), bend)
         chosen = choose_places(
             rows.path, work, guide, spin=self.spin, home=home, held=self.held is not None, branches=self.branches
         )
@@ -269,7 +294,9 @@ class FixedAttitude:
         if outside is not None and len(leg.q_nodes):
             last = leg.home if held is None else leg.q_nodes[-1]
             outside = replace(outside, rest=last[outside.assembly.externals])
-        return replace(self, spin=leg.flange.last_spin, home=home, held=held, outside=outside)
+        bend = self._bends(path)
+        held_bend = None if bend is None else bend[-1]
+        return replace(self, spin=leg.flange.last_spin, home=home, held=held, outside=outside, held_bend=held_bend)
 
     def R_BO(self, path: ToolPath) -> Array:
         """Axes of O in B for every row of `path` (n, 3, 3)."""

@@ -1,4 +1,8 @@
-"""Where the flange of an arm has to be along a path, for the controlled point and the attitude that are commanded."""
+"""Where the flange of an arm has to be along a path, for the controlled point and the attitude that are commanded.
+
+What is commanded is the nose N of the tool, from which the tool points straight out. With most tools that is the
+flange; a bent one holds its nose elsewhere.
+"""
 
 from __future__ import annotations
 
@@ -8,11 +12,11 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from gcodesim.arithmetic.matrices import multiplied
+from gcodesim.arithmetic.matrices import applied, multiplied
 from gcodesim.frames import Array
 from gcodesim.frozen import frozen
 from gcodesim.motion.pieces import Pieces
-from gcodesim.planning.flange_poses import flange_origins, flange_poses, turned
+from gcodesim.planning.flange_poses import flange_origins, flange_poses, turned, unbent
 from gcodesim.planning.guide import Guide
 from gcodesim.planning.spin_along import SpinAlong
 
@@ -32,9 +36,17 @@ class Flange:
     spin: float
     turning: SpinAlong | None = None  # of the tool about itself along the path, on top of `spin`
     guide: Guide | None = None
+    bend: Array | None = None  # X_NF of every row (n, 4, 4) where some tool is bent
 
     def poses(self, piece: NDArray[np.int64], s: Array, positions: Array) -> Array:
         """X_BF (k, 4, 4) with the controlled point at `positions` (k, 6), which are at `s` (k,) of `piece` (k,)."""
+        return unbent(self._noses(piece, s, positions), self.bend_of(piece))
+
+    def bend_of(self, piece: NDArray[np.int64]) -> Array | None:
+        """X_NF (k, 4, 4) on these pieces (k,); None where no tool is bent."""
+        return None if self.bend is None else self.bend[self.pieces.row_first[piece]]
+
+    def _noses(self, piece: NDArray[np.int64], s: Array, positions: Array) -> Array:
         row = self.pieces.row_first[piece]
         R = self.R_BO[row]
         if self.guide is None:
@@ -57,18 +69,23 @@ class Flange:
         if self.turning is None:
             return v
         rate = self.turning.at(piece, s)[1]
-        return np.concatenate([v, -rate[:, None] * self.R_BO[self.pieces.row_first[piece]][:, :, 2]], axis=1)
+        w = -rate[:, None] * self.R_BO[self.pieces.row_first[piece]][:, :, 2]
+        if self.bend is not None:
+            nose = self._noses(piece, s, self.pieces.points(piece, s)[0])
+            v = v + np.cross(w, applied(nose[:, :3, :3], self.bend[self.pieces.row_first[piece]][:, :3, 3]))
+        return np.concatenate([v, w], axis=1)
 
     def _twists(self, piece: NDArray[np.int64], s: Array) -> Array:
         """The same (k, 6) by the difference of two neighbours on the tangent."""
         points, slope = self.pieces.points(piece, s)
         step = _PROBE / np.maximum(np.abs(slope).max(axis=1, initial=0.0), 1e-12)
         straight = replace(self, turning=None)
-        ahead, behind = (straight.poses(piece, s + d, points + d[:, None] * slope) for d in (step, -step))
+        ahead, behind = (straight._noses(piece, s + d, points + d[:, None] * slope) for d in (step, -step))
         if self.turning is not None:
             rate = self.turning.at(piece, s)[1]
             middle = self.turning.at(piece, s)[0]
             ahead, behind = turned(ahead, middle + step * rate), turned(behind, middle - step * rate)
+        ahead, behind = (unbent(X, self.bend_of(piece)) for X in (ahead, behind))
         width = 2.0 * step[:, None]
         R = multiplied(ahead[:, :3, :3], behind[:, :3, :3].swapaxes(1, 2))
         turn = 0.5 * np.stack([R[:, 2, 1] - R[:, 1, 2], R[:, 0, 2] - R[:, 2, 0], R[:, 1, 0] - R[:, 0, 1]], axis=1)

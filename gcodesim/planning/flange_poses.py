@@ -33,6 +33,12 @@ def turned(X_BF: Array, spins: Array) -> Array:
     return X
 
 
+def unbent(X_BN: Array, X_NF: Array | None) -> Array:
+    """X_BF (n, 4, 4) of tools with their noses at X_BN (n, 4, 4), seen from which the flange is at X_NF (n, 4, 4)."""
+    X: Array = X_BN if X_NF is None else multiplied(X_BN, X_NF)
+    return X
+
+
 def flange_origins(positions: Array, offsets: Array, R_BO: Array) -> Array:
     """Where the flange is (n, 3) when the controlled point is at `positions` (n, 3) under length `offsets` (n, 3)."""
     origins: Array = positions + applied(R_BO, offsets)

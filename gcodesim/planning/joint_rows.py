@@ -26,16 +26,21 @@ class JointRows:
     home: NDArray[np.bool_]
 
 
-def with_joint_rows(path: ToolPath, R_BO: Array, *, joint_rapids: bool, held: Array | None = None) -> JointRows:
+def with_joint_rows(
+    path: ToolPath, R_BO: Array, *, joint_rapids: bool, held: Array | None = None, bend: Array | None = None
+) -> JointRows:
     """Find the joint rows of `path`; where a feed would need one before it, a move on the spot is inserted.
 
     R_BO (n, 3, 3) is the orientation of each row. `joint_rapids`: all of G0 in joint space. `held` (3, 3) is the
-    orientation that the tool has already, None when it has none yet.
+    orientation that the tool has already, None when it has none yet. With another `bend` (n, 4, 4) of the tool the
+    flange stands elsewhere, so there is a joint row too.
     """
     home = path.kind == HOME
     turned = np.zeros(len(path), dtype=bool)
     if len(path):
         same = np.all(np.abs(R_BO[1:] - R_BO[:-1]) < 1e-12, axis=(1, 2))
+        if bend is not None:
+            same &= np.all(np.abs(bend[1:] - bend[:-1]) < 1e-12, axis=(1, 2))
         turned[1:] = ~same | home[:-1]
         turned[0] = True
     rapid = path.kind == RAPID

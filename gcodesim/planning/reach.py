@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from gcodesim.diagnostics import Diagnostic, Findings
 from gcodesim.frames import Array
 from gcodesim.motion.pieces import Pieces
-from gcodesim.planning.flange_poses import flange_poses
 from gcodesim.planning.nodes import Nodes
 from gcodesim.planning.spin_choice import SampledPath, SpinChoice
 from gcodesim.units import DEG, MM, MM_PER_MINUTE
@@ -37,6 +36,10 @@ class FlangePoses(Protocol):
 
     def at(self, piece: NDArray[np.int64], s: Array) -> Array:
         """X_BF (k, 4, 4) at places `s` (k,) of `piece` (k,)."""
+        ...
+
+    def bend_of(self, piece: NDArray[np.int64]) -> Array | None:
+        """X_NF (k, 4, 4) of bent tools on `piece` (k,)."""
         ...
 
 
@@ -145,8 +148,10 @@ def _shift_that_fits(kinematics: Kinematics, probe: SampledPath, choice: SpinCho
 
 def _fits(kinematics: Kinematics, probe: SampledPath, choice: SpinChoice, home: Array, step: Array) -> bool:
     previous = home
+    moved = probe.poses(choice.spin)
+    moved[:, :3, 3] += step
     for number, (a, b) in zip(probe.number, probe.chains, strict=True):
-        X = flange_poses(probe.p_BO[a:b] + step, probe.R_BO[a:b], choice.spin)
+        X = moved[a:b]
         q, status = kinematics.inverse(X, choice.seeds.get(number, previous))
         if np.any(status):
             return False

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.arithmetic.matrices import inverse_pose, multiplied
 from gcodesim.frames import Array
 from gcodesim.frozen import frozen
 from gcodesim.kinematics.path_kernels import JUMP
@@ -114,8 +115,12 @@ def cut_through(
     """The nodes of a chain that become rungs, and the cut through them."""
     a, b = nodes.chains[chain]
     chosen = _evenly(nodes, a, b, max(_FEWEST, rungs * (b - a) // max(len(nodes), 1)))
-    X = flange.at(nodes.piece[chosen], nodes.s[chosen])
-    return chosen, Passage(X_BT=X, X_FT=np.eye(4), free=free, step=np.full(len(kinematics.joints), JUMP))
+    X, X_FN = flange.at(nodes.piece[chosen], nodes.s[chosen]), np.eye(4)
+    bend = flange.bend_of(nodes.piece[chosen])
+    if bend is not None:  # the tool turns about the Z of its nose, and all of a chain has one
+        X_FN = inverse_pose(bend[:1])[0]
+        X = multiplied(X, X_FN)
+    return chosen, Passage(X_BT=X, X_FT=X_FN, free=free, step=np.full(len(kinematics.joints), JUMP))
 
 
 def _smooth(spins: Array) -> Array:

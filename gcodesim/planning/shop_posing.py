@@ -70,6 +70,7 @@ def _fixed_attitude(shop: Shop) -> FixedAttitude:
         outside=outside,
         loads=loads_of(shop),
         platforms={system: names.index(link) for system, link in shop.placement.platforms.items()},
+        bends={n: X.inverse().matrix for n, tool in shop.cell.tools.items() if (X := tool.X_FN) is not None},
     )
 
 

@@ -14,7 +14,7 @@ from gcodesim.motion.curves import Curves
 from gcodesim.motion.pieces import AxisLimits
 from gcodesim.planning.arm_kernels import joint_rates
 from gcodesim.planning.axis_posing import offsets
-from gcodesim.planning.flange_poses import candidates, flange_origins, flange_poses
+from gcodesim.planning.flange_poses import candidates, flange_origins, flange_poses, unbent
 from gcodesim.planning.joint_rows import JointRows
 
 if TYPE_CHECKING:
@@ -34,7 +34,7 @@ class SampledPath:
     """Some flange origins (k, 3) of a path with R_BO (k, 3, 3), in chains that begin where a joint move ends.
 
     `chains` holds first and last + 1 of each; `number` which of the path's chains it is. They are at `share` (k,) of
-    `row` (k,).
+    `row` (k,). `bend` is X_NF (k, 4, 4) there where some tool is bent.
     """
 
     p_BO: Array
@@ -43,12 +43,17 @@ class SampledPath:
     number: list[int]
     row: NDArray[np.intp]
     share: Array
+    bend: Array | None = None
+
+    def poses(self, spin: float) -> Array:
+        """X_BF (k, 4, 4) with the tool turned by `spin` [rad]."""
+        return unbent(flange_poses(self.p_BO, self.R_BO, spin), self.bend)
 
     @staticmethod
-    def of(rows: JointRows, R_BO: Array, guide: Guide | None = None) -> SampledPath:
+    def of(rows: JointRows, R_BO: Array, guide: Guide | None = None, bend: Array | None = None) -> SampledPath:
         """Points all along the path, not more than about `POSES` of them; with a `guide` as the arm's base sees them.
 
-        External axes that are chosen are at rest.
+        External axes that are chosen are at rest. `bend` (n, 4, 4) is that of each row.
         """
         path = rows.path
         heads = np.flatnonzero(rows.joint & ~rows.home)
@@ -83,7 +88,8 @@ class SampledPath:
         origins = flange_origins(points[:, :3], offsets(path)[row, :3], R)
         if guide is not None and guide.outside is not None:
             origins, R = guide.from_arm(origins, R, row, guide.outside.commanded(points))
-        return SampledPath(origins, R, chains, [int(c) for c in chosen], row, share)
+        own = None if bend is None else bend[row]
+        return SampledPath(origins, R, chains, [int(c) for c in chosen], row, share, own)
 
 
 @frozen(kw_only=False, eq=False)
@@ -116,7 +122,7 @@ def choose_spin(kinematics: Kinematics, probe: SampledPath, home: Array, near: f
 
 def _try(kinematics: Kinematics, probe: SampledPath, home: Array, spin: float) -> tuple[Array, int, dict[int, Array]]:
     """Joints (k, j) at the poses of `probe`, how many are bad, and seeds that had to be searched."""
-    X = flange_poses(probe.p_BO, probe.R_BO, spin)
+    X = probe.poses(spin)
     q = np.empty((len(X), len(home)))
     seeds: dict[int, Array] = {}
     bad, previous = 0, home

@@ -223,7 +223,7 @@ def _take_length(number: int, control: Control) -> float:
     length = (control.settings.auto_length or {}).get(number, 0.0)
     axes = control.axes()
     offset = list(NO_OFFSET)
-    offset[2] = length
+    offset[:3] = *control.settings.auto_aside.get(number, (0.0, 0.0)), length
     control.state.tool_offset = control.from_si(tuple(offset))  # type: ignore[arg-type]
     control.stay_at(axes)
     control.say_tool_offset()

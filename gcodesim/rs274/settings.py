@@ -31,8 +31,8 @@ class Settings:
     told if that cannot have an effect.
     `m_codes` maps `M10` or `M62 P1` to actions. `wired` are outputs that the cell
     listens to, digital such as `P1`, analog such as `E0`. `auto_length` gives the true
-    length [m] of each tool of the cell; with `tool_length="auto"` a program
-    without any G43 or G49 applies it at M6. `path_control` is in force before
+    length [m] of each tool of the cell, `auto_aside` X and Y [m] of those whose tip is beside the axis of the spindle;
+    with `tool_length="auto"` a program without any G43 or G49 applies them at M6. `path_control` is in force before
     the program's first G61 or G64. `has_cell` makes user M-codes legal;
     `turns`: the machine is a lathe.
     `unturned`: tools that no spindle turns.
@@ -73,6 +73,7 @@ class Settings:
     tool_length: Literal["auto", "strict"] = "auto"
     loaded_tool: int = 0
     auto_length: Mapping[int, float] | None = None
+    auto_aside: Mapping[int, tuple[float, float]] = field(default_factory=dict)
     path_control: str = "G64"
     options: Mapping[str, str] = field(default_factory=dict)
     tool_point: ToolPointLaw | None = None

@@ -10,6 +10,7 @@ from gcodesim.declarations.keys import fill_derived, key
 from gcodesim.frames import Pose
 from gcodesim.frozen import frozen
 from gcodesim.tools.body import MassProperties, Primitive, cylinder, mass_properties
+from gcodesim.tools.tcp import Tcp
 from gcodesim.tools.tcp_load import TcpLoad
 from gcodesim.units import MM
 
@@ -52,6 +53,9 @@ class Tool:
         rule="that of steel bodies of this size",
         example="0.8 kg",
     )
+    tcp: Tcp | None = key(
+        Tcp, "its tip seen from the flange, where the tool is bent; none: straight out, by its length", default=None
+    )
     load: TcpLoad | None = key(TcpLoad, "a force and torque at its tip besides those of its process", default=None)
 
     def __init_subclass__(cls) -> None:
@@ -78,8 +82,18 @@ class Tool:
 
     @property
     def X_FT(self) -> Pose:
-        """Tip frame seen from the flange: straight out by the true length."""
-        return Pose(np.array([0.0, 0.0, self.true_length]), np.eye(3))
+        """Tip frame seen from the flange: straight out by the true length, or as `tcp` says."""
+        return Pose(np.array([0.0, 0.0, self.true_length]), np.eye(3)) if self.tcp is None else self.tcp.X_FT
+
+    @property
+    def X_FN(self) -> Pose | None:
+        """Its nose seen from the flange: where a straight tool of this length would hang; None of a straight tool.
+
+        N has the axes of T and lies behind it by the true length: the nose of an angle head, the bend of a neck.
+        """
+        if self.tcp is None:
+            return None
+        return self.X_FT @ Pose(np.array([0.0, 0.0, -self.true_length]), np.eye(3))
 
     @property
     def sensor(self) -> Sensor | None:

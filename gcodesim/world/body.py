@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from gcodesim.arithmetic.matrices import multiplied
 from gcodesim.controllers.controller import Controller
 from gcodesim.controllers.ideal import Ideal
 from gcodesim.frames import Array, Pose
@@ -26,7 +27,7 @@ Inertia = tuple[float, float, float, float, float, float]
 class ToolBody:
     """A tool as a rigid body on the flange F, Z out of the flange.
 
-    `length` [m] from the flange to the tip along Z, so X_FT has no turn;
+    `length` [m] from the flange to the tip along Z, unless its tip is at `tip` of F;
     `mass` [kg]; `com` [m] centre of mass seen from F; `inertia` [kg·m²] about
     it in axes of F; `solids` in F are what can be seen of it.
     """
@@ -37,10 +38,13 @@ class ToolBody:
     com: Vector = (0.0, 0.0, 0.0)
     inertia: Inertia = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     solids: tuple[Placed, ...] = ()
+    tip: Pose | None = None
 
     @property
     def X_FT(self) -> Pose:
         """Pose of the tip T seen from the flange."""
+        if self.tip is not None:
+            return self.tip
         return Pose.from_xyz_rpy((0.0, 0.0, self.length))
 
 
@@ -78,6 +82,8 @@ class RobotBody:
 def tool_body(tool: Tool) -> ToolBody:
     """The body of a tool of the cell: solids and mass, from heights above the tip into the flange frame."""
     length, inertia = tool.true_length, tool.inertia
+    if tool.tcp is not None:
+        return _bent(tool)
     return ToolBody(
         name=tool.name,
         length=length,
@@ -85,6 +91,24 @@ def tool_body(tool: Tool) -> ToolBody:
         com=(0.0, 0.0, length - inertia.center),
         inertia=(inertia.transverse, inertia.transverse, inertia.axial, 0.0, 0.0, 0.0),
         solids=tuple(primitive.placed.at(tool.X_FT) for primitive in tool.primitives),
+    )
+
+
+def _bent(tool: Tool) -> ToolBody:
+    """A tool whose tip is not straight out of the flange."""
+    X_FT, inertia = tool.X_FT, tool.inertia
+    own = np.diag([inertia.transverse, inertia.transverse, inertia.axial])
+    x, y, z = X_FT.apply(np.array([0.0, 0.0, -inertia.center])).tolist()
+    R = X_FT.R
+    xx, yy, zz, xy, xz, yz = multiplied(R, own, R.T)[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]].tolist()
+    return ToolBody(
+        name=tool.name,
+        length=tool.true_length,
+        mass=inertia.mass,
+        com=(x, y, z),
+        inertia=(xx, yy, zz, xy, xz, yz),
+        solids=tuple(primitive.placed.at(X_FT) for primitive in tool.primitives),
+        tip=X_FT,
     )
 
 

@@ -287,7 +287,7 @@ class BulletWorld(WorldBase):
             np.diff(qd, axis=0) / self.dt,
             payload_of(self.tool),
             wrench,
-            p_FT=(0.0, 0.0, 0.0 if self.tool is None else self.tool.length),
+            p_FT=np.zeros(3) if self.tool is None else self.tool.X_FT.p,
             gravity=self.gravity_B,
         )
         return bool((np.abs(effort) < self._limit * ENOUGH).all())

@@ -54,7 +54,7 @@ class KinematicWorld(WorldBase):
             qdd,
             payload_of(self.tool),
             wrench,
-            p_FT=(0.0, 0.0, 0.0 if self.tool is None else self.tool.length),
+            p_FT=np.zeros(3) if self.tool is None else self.tool.X_FT.p,
             gravity=self.gravity_B,
         )
         reaction = tool_reaction(self.machine, self.tool, path, speed, wrench, self.gravity_B, self.dt)

@@ -9,6 +9,7 @@ import pytest
 
 from gcodesim.solids import Cylinder
 from gcodesim.tools.flat_end_mill import FlatEndMill
+from gcodesim.tools.tcp import Tcp
 from gcodesim.tools.tool import Holder
 from gcodesim.world import RobotBody, tool_body
 from tests.unit.world import machines
@@ -52,3 +53,15 @@ def test_limits_are_those_of_the_chain_unless_named() -> None:
 def test_limits_that_cannot_be_are_refused(effort: tuple[float, ...]) -> None:
     with pytest.raises(ValueError, match="effort"):
         RobotBody(chain=machines.machine("router"), effort=effort)
+
+
+def test_a_bent_tool_weighs_where_it_is() -> None:
+    """A bar that points along X of the flange from 50 mm beside it: its middle lies 50 mm before its tip."""
+    tcp = Tcp(xyz=(0.15, 0.0, 0.2), rpy=(0.0, 0.5 * np.pi, 0.0))
+    straight = tool_body(FlatEndMill(number=2, diameter=0.02, length=0.1))
+    body = tool_body(FlatEndMill(number=2, diameter=0.02, length=0.1, tcp=tcp))
+    assert body.com == pytest.approx((0.1, 0.0, 0.2), abs=1e-12)
+    xx, _, zz, *_ = straight.inertia
+    assert body.mass == straight.mass
+    assert body.inertia == pytest.approx((zz, xx, xx, 0.0, 0.0, 0.0), abs=1e-15)
+    np.testing.assert_allclose(body.X_FT.p, [0.15, 0.0, 0.2])
