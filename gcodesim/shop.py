@@ -549,17 +549,22 @@ def _idle_on_lathe(shop: Shop) -> list[Diagnostic]:
 
 
 def _undrawn(shop: Shop) -> list[Diagnostic]:
-    """A finding for each mesh of the robot that cannot be read."""
+    """A finding for each mesh of the robot, or of a tool's own body, that cannot be read."""
+    cell = shop.cell
+    links = [shape.placed.solid for shape in shop.kinematics.link_shapes]
+    owners = [(f"`{shop.name}`", cell.span("robots", shop.name), links)]
+    for number, tool in sorted(cell.tools.items()):
+        bodies = [placed.solid for _, placed in tool.own_shapes()]
+        owners.append((tool.name, cell.span("tools", number, "body"), bodies))
     findings = []
-    solids = (shape.placed.solid for shape in shop.kinematics.link_shapes)
-    meshes = (solid.source for solid in solids if isinstance(solid, Mesh))
-    for file in dict.fromkeys(mesh.path for mesh in meshes if isinstance(mesh, MeshFile)):
-        try:
-            read_mesh(file)
-        except MeshError as fault:
-            message = f"a mesh of `{shop.name}` cannot be drawn: {fault}"
-            span = shop.cell.span("robots", shop.name)
-            findings.append(Diagnostic(code="GS770", span=span, message=message, hint=fault.hint))
+    for name, span, solids in owners:
+        meshes = (solid.source for solid in solids if isinstance(solid, Mesh))
+        for file in dict.fromkeys(mesh.path for mesh in meshes if isinstance(mesh, MeshFile)):
+            try:
+                read_mesh(file)
+            except MeshError as fault:
+                message = f"a mesh of {name} cannot be drawn: {fault}"
+                findings.append(Diagnostic(code="GS770", span=span, message=message, hint=fault.hint))
     return findings
 
 

@@ -34,7 +34,10 @@ from gcodesim.key_page import rewrite
 from gcodesim.sensors import SENSORS
 from gcodesim.tools import TOOLS
 from gcodesim.tools.extruder import RayCone
+from gcodesim.tools.own_body import OwnBody
 from gcodesim.tools.spray_gun import Fading, Footprint
+from gcodesim.tools.tcp import Tcp
+from gcodesim.tools.tcp_load import TcpLoad
 
 SECTIONS: Final[tuple[tuple[str, type], ...]] = (
     ("A place (`frames`, `base`, and among the keys of whatever stands somewhere)", Place),
@@ -57,6 +60,9 @@ SECTIONS: Final[tuple[tuple[str, type], ...]] = (
     ("`film` of stock, parts and fixtures", FilmSpec),
     ("`inside` of `film`", FilmRegion),
     ("`layers` of a stock", Layer),
+    ("`tcp` of a tool", Tcp),
+    ("`body` of a tool", OwnBody),
+    ("`load` of a tool", TcpLoad),
     ("`rays` of an extruder", RayCone),
     ("`footprint` of a spray gun", Footprint),
     ("`fading` of a spray gun", Fading),

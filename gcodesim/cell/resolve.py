@@ -14,9 +14,10 @@ from gcodesim.cell.externals import External, check_words, with_externals
 from gcodesim.cell.placing import MACHINE, Carried, FixedLink, FrameTree, Place
 from gcodesim.cell.receivers import with_signals
 from gcodesim.cell.settings import matches, with_step
-from gcodesim.cell.stock import MeshShape, StockShape
+from gcodesim.cell.stock import StockShape
 from gcodesim.cell.touching import check_touching
 from gcodesim.declarations.keys import keys
+from gcodesim.declarations.mesh_shape import MeshShape
 from gcodesim.declarations.reading import Path, Reading, suggestion
 from gcodesim.declarations.record import list_default
 from gcodesim.diagnostics import Diagnostic, Severity, Span, codes

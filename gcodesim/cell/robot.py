@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Final
 import numpy as np
 
 from gcodesim.cell.joints import JERKS, STIFFNESSES, JointList, JointValue, Measure, check_within, in_si
-from gcodesim.cell.models import shipped, shipped_chain, user_chain
+from gcodesim.cell.models import shipped, shipped_chain
 from gcodesim.cell.placing import POINT, Place
 from gcodesim.controllers import CONTROLLERS, Controller
 from gcodesim.controllers.ideal import Ideal
@@ -27,6 +27,7 @@ from gcodesim.declarations.variant import Variant
 from gcodesim.frames import Pose
 from gcodesim.frozen import frozen
 from gcodesim.kinematics.branch_names import PAIRS, WORDS
+from gcodesim.kinematics.user_urdf import user_chain
 
 if TYPE_CHECKING:
     from gcodesim.cell.externals import External

@@ -5,27 +5,25 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import field, replace
 from difflib import get_close_matches
-from pathlib import Path as FilePath
 from typing import Any, ClassVar, Final
 
 from gcodesim.cell.film import FilmSpec
 from gcodesim.cell.leftover import Leftover, leftover
-from gcodesim.cell.mesh_size import MESH_SUFFIXES, bounds
 from gcodesim.cell.placing import POINT, Place, names_of
 from gcodesim.declarations.composed import ListOf
 from gcodesim.declarations.file_kind import File, FileValue
 from gcodesim.declarations.keys import all_keys, inline, key
 from gcodesim.declarations.kind import Json, Kind, Range, scalar, short
 from gcodesim.declarations.map_of import MapOf
+from gcodesim.declarations.mesh_shape import LENGTH_UNIT, MeshShape, mesh_shape
 from gcodesim.declarations.nodes import Listing, Node
 from gcodesim.declarations.nodes import Mapping as MappingNode
 from gcodesim.declarations.quantity import Quantity, Vector
 from gcodesim.declarations.reading import UNREAD, Path, Reading, Reference, Unread, suggestion
 from gcodesim.declarations.record import FREE, NEARLY, Record
-from gcodesim.declarations.units import find, names, shown
-from gcodesim.diagnostics import Diagnostic
+from gcodesim.declarations.units import shown
 from gcodesim.frozen import frozen
-from gcodesim.solids import Box, Cylinder, Mesh, MeshFile, Point, Solid
+from gcodesim.solids import Box, Cylinder, Point, Solid
 
 _WORDS: Final = {
     "bottom": (2, 0.0),
@@ -39,21 +37,6 @@ _CENTRES: Final = ("center", "centre", "middle")
 _LEAST_SIDE: Final = 1e-6  # m; below a micrometre it is a slip of units
 _SIDE: Final = Range(above=0.0, most=1e3)  # m
 _GRID: Final = Range(least=1e-7, most=1.0)  # m
-
-
-@frozen
-class MeshShape:
-    """A mesh file of the cell: its points times `scale` are metres; `lower` and `upper` are its corners [m]."""
-
-    name: str
-    path: FilePath
-    scale: float
-    lower: Point
-    upper: Point
-
-    @property
-    def solid(self) -> Mesh:
-        return Mesh(source=MeshFile(path=self.path, scale=(self.scale, self.scale, self.scale)))
 
 
 StockShape = Box | Cylinder | MeshShape | Leftover
@@ -159,30 +142,6 @@ class _CylinderKind(Kind):
         return Record(CylinderSize, "a cylinder").plain(value)
 
 
-@frozen(kw_only=False)
-class _LengthUnit(Kind):
-    """The unit of a mesh file, as its factor."""
-
-    @property
-    def expected(self) -> str:
-        return f"a unit of length ({', '.join(names('length'))})"
-
-    def read(self, node: Node, to: Reading, path: Path) -> str | Unread:
-        text = scalar(self, node, to, path)
-        if isinstance(text, Unread):
-            return UNREAD
-        unit = find(text.text, "length")
-        if unit is None:
-            return to.fault("GS709", text.span, f"`{path[-1]}` is `{short(text.text)}`; {self.expected} is expected")
-        return unit.name
-
-    def schema(self, definitions: dict[str, Json]) -> Json:
-        return {"enum": list(names("length"))}
-
-
-LENGTH_UNIT = _LengthUnit()
-
-
 @frozen
 class ShapeKeys:
     """A shape by one of `box`, `min` with `max`, `cylinder`, `mesh`; the derived `shape` is in the body's own frame.
@@ -258,7 +217,7 @@ def _single_shape(body: ShapeKeys, to: Reading, path: Path) -> StockShape | Unre
             radius=0.5 * body.cylinder.diameter, bottom=-fractions[2] * height, top=(1.0 - fractions[2]) * height
         )
     if body.mesh is not None:
-        return _mesh(body.mesh, body.unit, to, path)
+        return mesh_shape(body.mesh, body.unit, to, path)
     return _box_between(body, to, path)
 
 
@@ -295,36 +254,6 @@ def _box_between(body: ShapeKeys, to: Reading, path: Path) -> StockShape | Unrea
                 f"`max` is {shown(high, 'length')} in {axis}; it must be greater than `min`, {shown(low, 'length')}",
             )
     return Box(lower=body.min, upper=body.max)
-
-
-def _mesh(file: FileValue, unit: str | None, to: Reading, path: Path) -> MeshShape | Unread:
-    span = to.span((*path, "mesh"))
-    if FilePath(file.name).suffix.lower() not in MESH_SUFFIXES:
-        return to.fault(
-            "GS716",
-            span,
-            f"`{short(file.name)}` is no mesh file that is read",
-            f"these are: {', '.join(MESH_SUFFIXES)}",
-        )
-    corners = bounds(file.path, to.shelf.sources[file.name].raw)
-    if isinstance(corners, str):
-        return to.fault("GS716", span, f"`{short(file.name)}` is no sound mesh: {corners}")
-    scale = find(unit or "mm", "length")
-    assert scale is not None
-    lower = (corners[0][0] * scale.factor, corners[0][1] * scale.factor, corners[0][2] * scale.factor)
-    upper = (corners[1][0] * scale.factor, corners[1][1] * scale.factor, corners[1][2] * scale.factor)
-    if unit is None:
-        size = " x ".join(f"{(high - low) / 1e-3:.6g}" for low, high in zip(lower, upper, strict=True)) + " mm"
-        to.findings.add(
-            Diagnostic(
-                code="GS717",
-                span=span,
-                message=f"`{short(file.name)}` has no `unit`; in mm it is {size}",
-                hint="write `unit: mm` (or `m`, `in`) beside it",
-            )
-        )
-        to.default((*path, "unit"), "mm", "assumed")
-    return MeshShape(name=file.name, path=file.path, scale=scale.factor, lower=lower, upper=upper)
 
 
 @frozen(kw_only=False)
@@ -465,7 +394,7 @@ class Target:
     shape: MeshShape | None = None
 
     def checked(self, to: Reading, path: Path) -> Target | Unread:
-        shape = _mesh(self.mesh, self.unit, to, path)
+        shape = mesh_shape(self.mesh, self.unit, to, path)
         return UNREAD if isinstance(shape, Unread) else replace(self, shape=shape)
 
 

@@ -239,10 +239,10 @@ def _tool(tree: CellTree, mover: Mover, number: int, tool: Tool, opening: float)
     X_JT = Pose.from_matrix(kinematics.flange_offset) @ tool.X_FT
     if joint < 0:
         X_JT = mover.X_WB @ X_JT
-    drawn = getattr(tool, "drawn", None)
-    bodies = [(body.part, body.placed) for body in tool.primitives] if drawn is None else drawn(opening)
     parts: dict[str, list[Placed]] = {}
-    for part, placed in bodies:
+    for part, placed in tool.drawn(opening):
+        if not readable(placed):
+            continue
         parts.setdefault(part, []).append(placed.at(X_JT))
     carrier = tree.first[mover.name] + joint if joint >= 0 else STILL
     return [

@@ -60,7 +60,7 @@ class ToolParts:
     def of(tool: Tool) -> ToolParts:
         """The parts of a tool of the cell."""
         points: dict[str, list[Array]] = {}
-        for body in tool.primitives:
+        for body in tool.round_parts:
             outline = outline_of(body.solid)
             outline[:, 1] = -(outline[:, 1] + body.placed.X.p[2])
             points.setdefault(body.part, []).append(outline)

@@ -26,11 +26,16 @@ BASE_JOINT: Final = -1
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class CarriedBody:
-    """A rigid body of a cell: its `role`, and the `part` of a tool that it is."""
+    """A rigid body of a cell: its `role`, and the `part` of a tool that it is.
+
+    `any_shape`: the part is no body of revolution, so what it does to fixtures and stock is looked for here, too, as
+    of a link; `clearance` sees round ones.
+    """
 
     rigid: RigidBody
     role: Role
     part: str = ""
+    any_shape: bool = False
 
     @property
     def carrier(self) -> int:
@@ -58,16 +63,19 @@ class MachineBodies:
         """Each part of a tool on the flange."""
         tree = self.tree
         X_JT = Pose.from_matrix(tree.flange_offset) @ tool.X_FT
-        parts: dict[str, list[Placed]] = {}
-        for primitive in tool.primitives:
-            parts.setdefault(primitive.part, []).append(primitive.placed.at(X_JT))
+        shapes = [(body.part, body.placed, False) for body in tool.round_parts]
+        shapes += [(part, placed, True) for part, placed in tool.own_shapes() if readable(placed)]
+        parts: dict[tuple[str, bool], list[Placed]] = {}
+        for part, placed, any_shape in shapes:
+            parts.setdefault((part, any_shape), []).append(placed.at(X_JT))
         return [
             CarriedBody(
                 rigid=RigidBody(name=tool.name, solids=tuple(solids), carrier=tree.flange_carrier),
                 role=role_of_part(part),
                 part=part,
+                any_shape=any_shape,
             )
-            for part, solids in parts.items()
+            for (part, any_shape), solids in parts.items()
         ]
 
     def greatest_reach(self, tools: Iterable[Tool], travel: Array) -> Array:
@@ -105,7 +113,8 @@ class MachineBodies:
 
 def may_meet_by_motion(one: CarriedBody, other: CarriedBody, tree: Tree) -> bool:
     """Whether two bodies move against each other and may not meet; neighbours on a joint touch by design."""
-    if one.carrier == other.carrier or not keep_apart(one.role, other.role):
+    roles: list[Role] = ["link" if body.any_shape else body.role for body in (one, other)]
+    if one.carrier == other.carrier or not keep_apart(roles[0], roles[1]):
         return False
     both_links = one.role == other.role == "link"
     neighbours = _parent(tree, one.carrier) == other.carrier or _parent(tree, other.carrier) == one.carrier

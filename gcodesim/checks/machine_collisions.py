@@ -255,7 +255,7 @@ class _Check:
     def _finding(self, one: CarriedBody, other: CarriedBody, meeting: Meeting, begin: int) -> Diagnostic:
         way = self._way
         stretch = begin + meeting.stretch
-        if one.role == "link" and other.role == "tool":
+        if other.any_shape or (one.role == "link" and other.role == "tool"):
             one, other = other, one
         code = _code(one, other)
         depth = -meeting.gap / MM

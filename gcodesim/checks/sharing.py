@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from itertools import combinations
+from itertools import combinations, product
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from gcodesim.arithmetic.matrices import applied
+from gcodesim.arithmetic.matrices import applied, norms
 from gcodesim.canon import ToolChange
+from gcodesim.checks.machine_bodies import readable
 from gcodesim.diagnostics import Diagnostic, Span
 from gcodesim.frames import Array, Pose
 from gcodesim.frozen import frozen
@@ -107,9 +108,13 @@ def _radius(tool: Tool) -> float:
     """How far a tool reaches from its axis [m]."""
     reach = [
         np.abs(np.add(body.placed.X.p[:2], corner[:2])).max()
-        for body in tool.primitives
+        for body in tool.round_parts
         for corner in body.placed.solid.bounds
     ]
+    for _, placed in tool.own_shapes():
+        if readable(placed):
+            corners = placed.X.apply(np.array(list(product(*zip(*placed.solid.bounds, strict=True)))))
+            reach.append(norms(corners * np.array([1.0, 1.0, 0.0])).max())
     return float(max(reach, default=0.0))
 
 

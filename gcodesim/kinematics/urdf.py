@@ -55,12 +55,14 @@ def load_urdf(
     packages: Mapping[str, Path] | None = None,
     may_read: Callable[[Path], bool] | None = None,
     flange: NamedFlange | None = None,
+    robot: bool = True,
 ) -> tuple[Chain | None, list[Diagnostic]]:
     """The chain that the file describes, and what is wrong with it; None when an error leaves no chain.
 
     `name` is how findings call the file (default: its name). `packages` maps the
     names in package:// to folders; `may_read` says which mesh files are allowed.
-    Mesh files are looked for, not read. Never raises for a fault of the file.
+    Mesh files are looked for, not read. What is no `robot`, such as a tool, need not move: then every joint that
+    moves and follows none is driven, and F is the root unless it is named. Never raises for a fault of the file.
     """
     faults = Faults(name or path.name)
     try:
@@ -76,19 +78,20 @@ def load_urdf(
         message = f"the URDF is not well-formed XML: {error}"
         faults.findings.append(Diagnostic(code="GS760", message=message, span=span, hint=error.hint))
         return None, faults.findings
-    chain = _Reader(path, faults, MeshFiles(path, packages or {}, may_read, faults), flange).chain(root)
+    chain = _Reader(path, faults, MeshFiles(path, packages or {}, may_read, faults), flange, robot).chain(root)
     return (None if faults.failed else chain), faults.findings
 
 
 class _Reader:
     """One file being read; findings are collected, faulty parts left out."""
 
-    def __init__(self, path: Path, faults: Faults, meshes: MeshFiles, flange: NamedFlange | None) -> None:
+    def __init__(self, path: Path, faults: Faults, meshes: MeshFiles, flange: NamedFlange | None, robot: bool) -> None:
         self.path = path
         self.faults = faults
         self.find = faults.find
         self.meshes = meshes
         self.flange = flange
+        self.robot = robot
         self.colours: dict[str, tuple[float, ...]] = {}
         self.places: dict[str, LinedElement] = {}
 
@@ -283,12 +286,13 @@ class _Reader:
         self.meshes.report_packages()
         flange = None if self.flange is None else self.flange.link
         if self.flange is not None and self.flange.link not in links:
-            message = f"the robot has no link `{self.flange.link}`"
+            message = f"the {'robot' if self.robot else 'tool'} has no link `{self.flange.link}`"
             hint = suggestion(self.flange.link, list(links))
             self.faults.findings.append(Diagnostic(code="GS712", message=message, span=self.flange.span, hint=hint))
         if self.faults.failed:
             return None
-        tree = TreeReader(root, links, joints, self.places, self.faults).tree(flange)
+        reader = TreeReader(root, links, joints, self.places, self.faults)
+        tree = reader.tree(flange) if self.robot else reader.loose(flange)
         if tree is None:
             return None
         return Chain(

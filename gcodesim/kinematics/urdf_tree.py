@@ -60,6 +60,16 @@ class TreeReader:
         self._remark(ordered, driven)
         return LinkTree(links=names, joints=tuple(ordered), driven=tuple(driven), flange=end, table=table)
 
+    def loose(self, flange: str | None) -> LinkTree | None:
+        """The tree of something that is no robot: joints that follow others or are fixed are not driven."""
+        ordered = self._ordered()
+        if ordered is None:
+            return None
+        driven = tuple(i for i, joint in enumerate(ordered) if joint.kind != "fixed" and joint.mimic is None)
+        root = self._root_name()
+        names = (root, *(joint.child for joint in ordered))
+        return LinkTree(links=names, joints=tuple(ordered), driven=driven, flange=flange or root, table=None)
+
     def _root_name(self) -> str:
         children = {joint.child for joint in self.joints}
         return next(name for name in self.links if name not in children)

@@ -16,7 +16,6 @@ from gcodesim.scene.colors import CUT, DEVICE, FIXTURE, PART, RAW, Color
 from gcodesim.sensors.scenery import Scenery
 from gcodesim.solids import Placed, triangles_of
 from gcodesim.tools.gripper import Gripper
-from gcodesim.tools.parts import body_part
 
 if TYPE_CHECKING:
     from gcodesim.material.surface import Surface
@@ -100,7 +99,7 @@ class Stage:
         X_WT = self.tip(q, tool)
         held = self.shop.tool(tool)
         if isinstance(held, Gripper):
-            skins = [skin for part, placed in held.drawn(opening) for skin in _skins([placed], body_part(part).color)]
+            skins = [*_tool_skins(held, opening)]
         else:
             skins = [*self.tools.get(tool, ())]
         for skin in skins:
@@ -138,9 +137,9 @@ def _skins_of(body: Body) -> list[_Skin]:
     return _skins(body.solids, _ROLES[body.role]) if body.role in _ROLES else []
 
 
-def _tool_skins(tool: Tool) -> Iterator[_Skin]:
-    for part in tool.primitives:
-        yield from _skins([part.placed], body_part(part.part).color)
+def _tool_skins(tool: Tool, opening: float = 1.0) -> Iterator[_Skin]:
+    for part, placed in tool.drawn(opening):
+        yield from _skins([placed], tool.color_of(part))
 
 
 def _skins(solids: Iterable[Placed], color: Color) -> list[_Skin]:

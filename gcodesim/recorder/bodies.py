@@ -12,8 +12,6 @@ from gcodesim.recorder.frames import Frames
 from gcodesim.scene import Role
 from gcodesim.scene.colors import CUT, DEVICE, FIXTURE, PART, RAW
 from gcodesim.solids import Box, Cone, Cylinder, Hulls, Placed, Sphere, triangles_of
-from gcodesim.tools.gripper import Gripper
-from gcodesim.tools.parts import body_part
 
 if TYPE_CHECKING:
     from gcodesim.material.surface import Tile
@@ -65,11 +63,7 @@ def tool_shapes(tool: Tool | None, opening: float = 1.0) -> tuple[DrawnShape, ..
     """The tool in the spindle, in frame `tool`: the tip at the origin, the body along −Z; a gripper `opening` open."""
     if tool is None:
         return ()
-    if isinstance(tool, Gripper):
-        bodies = tool.drawn(opening)
-    else:
-        bodies = [(body.part, body.placed) for body in tool.primitives]
-    shapes = (drawn(placed, body_part(part).color) for part, placed in bodies)
+    shapes = (drawn(placed, tool.color_of(part)) for part, placed in tool.drawn(opening))
     return tuple(shape for shape in shapes if shape is not None)
 
 

@@ -57,7 +57,7 @@ class FingerGripper(Gripper):
         body = cylinder("gripper", max(0.5 * self.stroke, 2.0 * radius), self.finger_length, self.length)
         return (*fingers, body, *self._holder_bodies())
 
-    def drawn(self, opening: float) -> list[tuple[str, Placed]]:
+    def shapes(self, opening: float) -> list[tuple[str, Placed]]:
         aside, y = 0.5 * opening * self.stroke, 0.5 * self.finger_width
         if self.mesh is None:
             box = Box(lower=(0.0, -y, -self.finger_length), upper=(self.finger_thickness, y, 0.0))

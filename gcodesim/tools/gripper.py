@@ -9,7 +9,6 @@ from gcodesim.declarations.kind import NOT_NEGATIVE, POSITIVE
 from gcodesim.declarations.quantity import Quantity
 from gcodesim.frames import Array
 from gcodesim.frozen import frozen
-from gcodesim.solids import Placed
 from gcodesim.tools.tool import Tool
 
 FRICTION: Final = 0.3
@@ -67,7 +66,3 @@ class Gripper(Tool):
     def widest(self) -> float:
         """The greatest opening [m]; 0 where nothing moves."""
         return 0.0
-
-    def drawn(self, opening: float) -> list[tuple[str, Placed]]:
-        """Its bodies by part, `opening` (0 to 1) open."""
-        return [(body.part, body.placed) for body in self.primitives]

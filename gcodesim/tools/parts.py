@@ -16,19 +16,27 @@ Color = tuple[float, float, float, float]
 
 @frozen
 class BodyPart:
-    """One part: `words` as in "the cutter hits the vise", the `code` and `hint` of that finding, and red to alpha."""
+    """One part: `words` as in "the cutter hits the vise", the `code` and `hint` of that finding, and red to alpha.
+
+    `acts`: it is what touches the work, and so it is there beside a body that the tool has from a file, too.
+    """
 
     words: str
     color: Color = (0.5, 0.55, 0.6, 1.0)
     code: str = "GS304"
     hint: str = "keep more distance, or lift the tool before it passes"
+    acts: bool = False
 
 
 CUTTING: Final = BodyPart(
-    words="the cutter", color=(0.85, 0.65, 0.2, 1.0), code="GS301", hint="retract higher or go round it"
+    words="the cutter", color=(0.85, 0.65, 0.2, 1.0), code="GS301", hint="retract higher or go round it", acts=True
 )
 SHANK: Final = BodyPart(
-    words="the shank", color=(0.7, 0.72, 0.75, 1.0), code="GS302", hint="use a longer tool, or keep more distance"
+    words="the shank",
+    color=(0.7, 0.72, 0.75, 1.0),
+    code="GS302",
+    hint="use a longer tool, or keep more distance",
+    acts=True,
 )
 HOLDER: Final = BodyPart(
     words="the holder", color=(0.3, 0.32, 0.36, 1.0), code="GS303", hint="use a longer tool or a slimmer holder"
@@ -37,14 +45,15 @@ TIP: Final = BodyPart(
     words="the ball",
     color=(0.8, 0.1, 0.15, 1.0),
     hint="go there with G38.3, which stops where it touches, or keep more distance",
+    acts=True,
 )
 NOZZLE: Final = BodyPart(words="the nozzle", color=(0.75, 0.55, 0.3, 1.0), hint="lift the tool before it passes")
 OBJECTIVE: Final = BodyPart(words="the objective", color=(0.1, 0.12, 0.2, 1.0))
 
 FINGER: Final = BodyPart(
-    words="the finger", color=(0.25, 0.27, 0.3, 1.0), hint="open less wide, or keep more distance"
+    words="the finger", color=(0.25, 0.27, 0.3, 1.0), hint="open less wide, or keep more distance", acts=True
 )
-CUP: Final = BodyPart(words="the cup", color=(0.15, 0.15, 0.17, 1.0), hint="keep more distance")
+CUP: Final = BodyPart(words="the cup", color=(0.15, 0.15, 0.17, 1.0), hint="keep more distance", acts=True)
 GRIPPER: Final = BodyPart(words="the gripper", color=(0.55, 0.58, 0.62, 1.0))
 
 PARTS = Family(

@@ -9,7 +9,10 @@ import numpy as np
 from gcodesim.declarations.keys import fill_derived, key
 from gcodesim.frames import Pose
 from gcodesim.frozen import frozen
+from gcodesim.solids import Placed
 from gcodesim.tools.body import MassProperties, Primitive, cylinder, mass_properties
+from gcodesim.tools.own_body import OwnBody
+from gcodesim.tools.parts import Color, body_part
 from gcodesim.tools.tcp import Tcp
 from gcodesim.tools.tcp_load import TcpLoad
 from gcodesim.units import MM
@@ -56,6 +59,9 @@ class Tool:
     tcp: Tcp | None = key(
         Tcp, "its tip seen from the flange, where the tool is bent; none: straight out, by its length", default=None
     )
+    body: OwnBody | None = key(
+        OwnBody, "its own shape from a mesh or a URDF; none: simple bodies of its kind", default=None
+    )
     load: TcpLoad | None = key(TcpLoad, "a force and torque at its tip besides those of its process", default=None)
 
     def __init_subclass__(cls) -> None:
@@ -82,8 +88,9 @@ class Tool:
 
     @property
     def X_FT(self) -> Pose:
-        """Tip frame seen from the flange: straight out by the true length, or as `tcp` says."""
-        return Pose(np.array([0.0, 0.0, self.true_length]), np.eye(3)) if self.tcp is None else self.tcp.X_FT
+        """Tip frame seen from the flange: straight out by the true length, or as `tcp` or `tip` of its body says."""
+        bent = self._bent
+        return Pose(np.array([0.0, 0.0, self.true_length]), np.eye(3)) if bent is None else bent
 
     @property
     def X_FN(self) -> Pose | None:
@@ -91,9 +98,14 @@ class Tool:
 
         N has the axes of T and lies behind it by the true length: the nose of an angle head, the bend of a neck.
         """
-        if self.tcp is None:
-            return None
-        return self.X_FT @ Pose(np.array([0.0, 0.0, -self.true_length]), np.eye(3))
+        bent = self._bent
+        return None if bent is None else bent @ Pose(np.array([0.0, 0.0, -self.true_length]), np.eye(3))
+
+    @property
+    def _bent(self) -> Pose | None:
+        if self.tcp is not None:
+            return self.tcp.X_FT
+        return None if self.body is None else self.body.X_FT
 
     @property
     def sensor(self) -> Sensor | None:
@@ -104,6 +116,37 @@ class Tool:
     def primitives(self) -> tuple[Primitive, ...]:
         """Bodies for drawing and collision, from the tip up; each kind adds what is below the holder."""
         return self._holder_bodies()
+
+    @property
+    def round_parts(self) -> tuple[Primitive, ...]:
+        """Those of its simple bodies that are there: of a tool with a body of its own, what touches the work."""
+        return tuple(part for part in self.primitives if self._is_there(part.part))
+
+    def drawn(self, opening: float = 1.0) -> list[tuple[str, Placed]]:
+        """All of it by part, in T; a gripper `opening` (0 to 1) open."""
+        shapes = [(part, placed) for part, placed in self.shapes(opening) if self._is_there(part)]
+        return [*shapes, *self.own_shapes(opening)]
+
+    def shapes(self, opening: float) -> list[tuple[str, Placed]]:
+        """The simple bodies of its kind by part, in T, as they are drawn."""
+        return [(body.part, body.placed) for body in self.primitives]
+
+    def own_shapes(self, opening: float = 1.0) -> list[tuple[str, Placed]]:
+        """The body that it has from a file, by part, in T."""
+        if self.body is None:
+            return []
+        X_TF = self.X_FT.inverse()
+        return [(part, placed.at(X_TF)) for part, placed in self.body.solids(opening)]
+
+    def color_of(self, part: str) -> Color:
+        """How a part of it is drawn."""
+        own = None if self.body is None else self.body.color_of(part)
+        return own or body_part(part).color
+
+    def _is_there(self, part: str) -> bool:
+        """Whether a simple body is seen: beside an own one only what touches the work, and fingers unless it has its
+        own."""
+        return self.body is None or (body_part(part).acts and not (self.body.moves and part == "finger"))
 
     def _holder_bodies(self) -> tuple[Primitive, ...]:
         if self.holder is None:
@@ -124,6 +167,8 @@ class Tool:
         ]
         if self.mass is not None and not self.mass > 0.0:
             found.append(("mass", "`mass` must be greater than 0"))
+        if self.tcp is not None and self.body is not None and self.body.tip is not None:
+            found.append(("tcp", "its tip is given twice, by `tcp` and by `tip` of its body; give one"))
         return found
 
     def _positive(self) -> dict[str, float]:

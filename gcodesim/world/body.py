@@ -7,12 +7,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from gcodesim.arithmetic.matrices import multiplied
 from gcodesim.controllers.controller import Controller
 from gcodesim.controllers.ideal import Ideal
 from gcodesim.frames import Array, Pose
 from gcodesim.frozen import frozen
-from gcodesim.solids import Box, Cylinder, Placed, Sphere, widest
+from gcodesim.kinematics.chain import Inertial
+from gcodesim.kinematics.dynamics import merge
+from gcodesim.solids import Box, Cylinder, Hulls, Mesh, Placed, Sphere, widest
+from gcodesim.tools.body import mass_properties
 
 if TYPE_CHECKING:
     from gcodesim.kinematics.chain import Chain
@@ -82,8 +84,8 @@ class RobotBody:
 def tool_body(tool: Tool) -> ToolBody:
     """The body of a tool of the cell: solids and mass, from heights above the tip into the flange frame."""
     length, inertia = tool.true_length, tool.inertia
-    if tool.tcp is not None:
-        return _bent(tool)
+    if tool.body is not None or tool.X_FN is not None:
+        return _of_any_shape(tool)
     return ToolBody(
         name=tool.name,
         length=length,
@@ -94,22 +96,29 @@ def tool_body(tool: Tool) -> ToolBody:
     )
 
 
-def _bent(tool: Tool) -> ToolBody:
-    """A tool whose tip is not straight out of the flange."""
-    X_FT, inertia = tool.X_FT, tool.inertia
-    own = np.diag([inertia.transverse, inertia.transverse, inertia.axial])
-    x, y, z = X_FT.apply(np.array([0.0, 0.0, -inertia.center])).tolist()
-    R = X_FT.R
-    xx, yy, zz, xy, xz, yz = multiplied(R, own, R.T)[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]].tolist()
+def _of_any_shape(tool: Tool) -> ToolBody:
+    """A tool that is bent, or has a body of its own."""
+    X_FT = tool.X_FT
+    whole = merge([*round_masses(tool), *([] if tool.body is None else tool.body.inertials)])
+    share = 1.0 if tool.mass is None or whole.mass <= 0.0 else tool.mass / whole.mass
+    x, y, z = whole.com.tolist()
+    xx, yy, zz, xy, xz, yz = (share * whole.inertia[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]).tolist()
     return ToolBody(
         name=tool.name,
         length=tool.true_length,
-        mass=inertia.mass,
+        mass=share * whole.mass,
         com=(x, y, z),
         inertia=(xx, yy, zz, xy, xz, yz),
-        solids=tuple(primitive.placed.at(X_FT) for primitive in tool.primitives),
+        solids=tuple(placed.at(X_FT) for _, placed in tool.drawn()),
         tip=X_FT,
     )
+
+
+def round_masses(tool: Tool) -> list[tuple[Inertial, Array]]:
+    """The simple bodies of a tool as one of steel, and X_FT."""
+    own = mass_properties(tool.round_parts)
+    com = np.array([0.0, 0.0, -own.center])
+    return [(Inertial(mass=own.mass, com=com, inertia=np.diag([own.transverse] * 2 + [own.axial])), tool.X_FT.matrix)]
 
 
 Primitive = Box | Cylinder | Sphere
@@ -119,9 +128,12 @@ Primitive = Box | Cylinder | Sphere
 def centred(placed: Placed) -> tuple[Primitive, Pose]:
     """A solid in a form that the physics engine knows, and where its middle is.
 
-    Other bodies of revolution are replaced by the cylinder of their greatest radius.
+    Other bodies of revolution are replaced by the cylinder of their greatest radius, meshes by the box around them.
     """
     solid = placed.solid
+    if isinstance(solid, Mesh | Hulls):
+        low, high = solid.bounds
+        solid = Box(lower=low, upper=high)
     if not isinstance(solid, Box | Cylinder | Sphere):
         low, high = solid.bounds
         solid = Cylinder(radius=widest(solid), bottom=low[2], top=high[2])

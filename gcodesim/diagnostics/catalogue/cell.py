@@ -477,8 +477,8 @@ CODES += (
         code="GS770",
         severity=Severity.WARNING,
         title="A body that cannot be drawn",
-        what="A mesh file of the robot is damaged, or of a kind that cannot be read.",
-        why="The robot moves as it should, but the log does not show this link.",
+        what="A mesh file of the robot or of a tool is damaged, or of a kind that cannot be read.",
+        why="Everything moves as it should, but the log does not show this link, and collisions do not see it.",
         remedy="Convert the mesh to STL or OBJ. Collada files (.dae) are read with `pip install 'gcodesim[dae]'`.",
     ),
     Code(

@@ -40,7 +40,7 @@ POSES = {
     *("checks/machine_bodies.py", "checks/machine_collisions.py", "checks/sharing.py", "jobs/meetings.py"),
     *("session/cell_in_hand.py", "solids/solid.py", "kinematics/assembly.py", "cell/externals.py"),
     *("jobs/verification.py", "jobs/collisions.py", "cell/assembly.py", "checks/cell_bodies.py"),
-    "checks/cell_meetings.py",
+    *("checks/cell_meetings.py", "kinematics/posed_links.py", "tools/own_body.py", "tools/tool.py"),
 }
 SCREEN = {"world/window.py", "observation/spectator.py"}
 """What is seen in a window and clicked at; nothing of it comes into a file."""

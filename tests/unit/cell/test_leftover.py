@@ -11,7 +11,7 @@ import pytest
 from gcodesim.cell import load_cell, place
 from gcodesim.cell.leftover import Leftover
 from gcodesim.cell.loader import LoadedCell
-from gcodesim.cell.stock import MeshShape
+from gcodesim.declarations.mesh_shape import MeshShape
 from gcodesim.frames import Pose
 from gcodesim.material.shape import flat
 from gcodesim.material.stock import Stock

@@ -14,8 +14,8 @@ import pytest
 
 from gcodesim.cell import load_cell
 from gcodesim.cell.channel import MCode
-from gcodesim.cell.stock import MeshShape
 from gcodesim.declarations import files
+from gcodesim.declarations.mesh_shape import MeshShape
 from gcodesim.diagnostics import Severity, SourceText
 from gcodesim.solids import Box, Cylinder
 from gcodesim.units import DEG, MM, RPM
