@@ -14,6 +14,7 @@ COMMANDS = (
     "check",
     "lint",
     "canon",
+    "fmt",
     "cell",
     "place",
     "init",
@@ -40,6 +41,7 @@ _EXAMPLES = """examples:
   gcodesim run part.nc --cell cell.yaml         simulate: material, forces, log, results
   gcodesim check part.nc --cell cell.yaml       limits, reach, time; no material
   gcodesim lint part.nc                         the program alone
+  gcodesim fmt part.nc                          the same program in one style
   gcodesim test suite/                          what programs did when accepted, do they still?
   gcodesim explain GS203                        what a finding means and what to do
 

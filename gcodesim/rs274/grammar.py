@@ -188,13 +188,34 @@ def _numbered(table: dict[str, Any]) -> dict[int, Any]:
     return {int(key): value for key, value in table.items()}
 
 
+_known_grammar = cache(_lark_of)
+
+
+@cache
+def lexer_of(name: str, parts: str = "") -> Callable[[str], list[tuple[str, str, int]]]:
+    """What cuts a prepared line into the terminals of `grammars/<name>.lark`: kind, text and column of each.
+
+    Its call raises `Unreadable`.
+    """
+    known = _known_grammar(name, parts)
+
+    def cut(line: str) -> list[tuple[str, str, int]]:
+        try:
+            parser = known.parse_interactive(line)
+            return [(token.type, str(token), token.start_pos or 0) for token in parser.iter_parse()]
+        except UnexpectedInput as problem:
+            raise Unreadable(problem.pos_in_stream or 0, "", frozenset()) from None
+
+    return cut
+
+
 @cache
 def parser_of(name: str, parts: str = "") -> Callable[[str], Parsed]:
     """The parser of `grammars/<name>.lark`; its call raises `Unreadable`.
 
     `parts` names the class (`module:Class`) that makes the parts of a line, where the grammar has rules of its own.
     """
-    known = _lark_of(name, parts)
+    known = _known_grammar(name, parts)
 
     def expected(before: str) -> frozenset[str]:
         """The terminals that may follow `before`; the parser's table alone names some that may not."""

@@ -14,6 +14,7 @@ from gcodesim.rs274.flow import FlowControl
 from gcodesim.rs274.program_file import ProgramFile
 from gcodesim.rs274.reader import Reader
 from gcodesim.rs274.run import Executor, Run
+from gcodesim.rs274.tokens import VERBATIM, Token
 from gcodesim.rs274.words import Words
 
 _REALTIME = "?!~"  # single characters that act at once, wherever they stand
@@ -36,6 +37,10 @@ class GrblFile(ProgramFile):
             if self._keeps:
                 self._blocks[index] = known
         return known
+
+    def tokens(self, index: int) -> list[Token]:
+        text = self.lines[index]
+        return [Token(VERBATIM, text, (0, len(text)))] if _as_taken_in(text) != text else super().tokens(index)
 
 
 class GrblExecutor(Executor):

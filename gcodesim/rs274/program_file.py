@@ -12,6 +12,7 @@ from gcodesim.diagnostics import SourceText
 from gcodesim.rs274.block import Block
 from gcodesim.rs274.outline import Outline
 from gcodesim.rs274.reader import Reader
+from gcodesim.rs274.tokens import VERBATIM, Token, tokens_of
 
 # possessive quantifiers: a line of a million blanks is scanned only once
 _FLOW = re.compile(
@@ -36,6 +37,21 @@ class FlowLine(NamedTuple):
     keyword: str
 
 
+class Jump(NamedTuple):
+    """A number in a line that names a block by its N: the index of its token, and the lines to which it may lead.
+
+    `at` is None where the number is computed, so that nobody knows it.
+    """
+
+    at: int | None
+    lines: tuple[int, ...] = ()
+
+
+def is_percent(text: str) -> bool:
+    """Whether a line is the sign that begins or ends a program."""
+    return text.strip() == "%"
+
+
 class ProgramFile:
     """Lines are addressed by index from 0; line numbers in findings are one more."""
 
@@ -56,6 +72,36 @@ class ProgramFile:
             if self._keeps:
                 self._blocks[index] = known
         return known
+
+    def tokens(self, index: int) -> list[Token]:
+        """The pieces of line `index`, in their order; raises `Fault` where the reader does not understand it."""
+        text = self.lines[index]
+        if is_percent(text):
+            return [Token(VERBATIM, "%", (text.index("%"), text.index("%") + 1))]
+        self.block(index)
+        return tokens_of(text, self._reader.dialect)
+
+    def meaning(self, index: int) -> object:
+        """What line `index` says, to be compared with that of another line: how it is written is no part of it.
+
+        Raises `Fault` for a line that the reader does not understand.
+        """
+        if is_percent(self.lines[index]):
+            return "%"
+        block = self.block(index)
+        settings = [(setting.parameter, setting.value) for setting in block.settings]
+        notes = [note.text if note in block.comments else block.text[note.place[0] :].rstrip() for note in block.notes]
+        flow = None if block.flow is None else block.flow._replace(place=(0, 0))
+        return [tuple(word) for word in block.words], settings, notes, flow, block.deleted, block.slash is None
+
+    def jumps(self, index: int) -> list[Jump]:
+        """The numbers in line `index` that name a block by its N, which RS274 has none of; raises `Fault`."""
+        return []
+
+    @property
+    def numbered(self) -> list[range]:
+        """Lines that have N numbers of their own: those of each program of the file."""
+        return [range(len(self.lines))]
 
     @property
     def outline(self) -> Outline:

@@ -89,7 +89,7 @@ class Reader:
     """Reads lines of one dialect; `read` gives the block or raises `Fault`."""
 
     def __init__(self, dialect: Dialect) -> None:
-        self._dialect = dialect
+        self.dialect = dialect
         self._longest_line = dialect.longest_line
         self._parse: Callable[[str], Parsed] | None = None
 
@@ -119,7 +119,7 @@ class Reader:
         if self._parse is None:
             from gcodesim.rs274.grammar import parser_of  # Lark costs 50 ms, so only when a line needs it
 
-            self._parse = Shapes(parser_of(self._dialect.grammar, self._dialect.grammar_parts)).parsed
+            self._parse = Shapes(parser_of(self.dialect.grammar, self.dialect.grammar_parts)).parsed
         from gcodesim.rs274.grammar import Unreadable
 
         try:
@@ -127,14 +127,14 @@ class Reader:
         except Unreadable as problem:
             from gcodesim.rs274.unreadable import explain
 
-            raise explain(problem, squeezed, columns, self._dialect) from None
+            raise explain(problem, squeezed, columns, self.dialect) from None
         block = _to_block(line, text, squeezed, columns, parsed)
         self._check_extensions(block, squeezed, columns)
         return block
 
     def _check_extensions(self, block: Block, squeezed: str, columns: list[int]) -> None:
         """Raise `Fault` for parts of the language that this dialect does not have."""
-        dialect = self._dialect
+        dialect = self.dialect
         if block.flow is not None and not dialect.flow_words:
             hint = "linuxcnc has them (--dialect linuxcnc)"
             raise Fault("GS008", f"{dialect.name} has no O-words", at=block.flow.place, hint=hint)

@@ -106,6 +106,11 @@ def lint(source: SourceText, settings: Settings | None = None) -> Findings:
     return run.findings
 
 
+def file_of(source: SourceText, settings: Settings | None = None) -> ProgramFile:
+    """The lines of a program as the control of the settings' dialect reads them; nothing is executed."""
+    return _executor_of(DIALECTS[(settings or Settings()).dialect])(interpret(source, settings)).file
+
+
 class Executor:
     """One execution of a run."""
 

@@ -168,4 +168,20 @@ CODES: tuple[Code, ...] = (
         why="An offset that is left out counts as zero.",
         remedy="A line reads: number, blank, value.",
     ),
+    Code(
+        code="GS022",
+        severity=Severity.ERROR,
+        title="Line numbers that cannot be made anew",
+        what="`fmt --renumber` would number the blocks anew, but a jump could not follow, or the numbers end too high.",
+        why="A GOTO or M99 P that leads to the old number would go on somewhere else.",
+        remedy="Write the jump with a number that stands in the file once, take a smaller step, or keep the numbers.",
+    ),
+    Code(
+        code="GS023",
+        severity=Severity.WARNING,
+        title="Program not in the style",
+        what="`fmt --check` found lines that `fmt` would write differently. What the program does is the same.",
+        why="Programs in one style can be compared line by line, and differences between them mean something.",
+        remedy="Run `gcodesim fmt` on the file; `gcodesim fmt --diff` shows what changes.",
+    ),
 )

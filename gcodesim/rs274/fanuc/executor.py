@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import ClassVar
 
 from gcodesim import canon
 from gcodesim.diagnostics import Diagnostic, SourceText, Span
@@ -35,12 +36,13 @@ _NO_SCALE, _NO_MIRROR = (1.0, 1.0, 1.0), (None, None, None)
 class FanucExecutor(Executor):
     """Executes blocks with Fanuc's meaning."""
 
+    file_class: ClassVar[type[FanucFile]] = FanucFile
     file: FanucFile
     control: FanucControl
     flow: FanucFlow
 
     def _parts(self, source: SourceText) -> tuple[FanucFile, FanucControl, FanucFlow]:
-        file = FanucFile(source, self.reader)
+        file = self.file_class(source, self.reader)
         control = FanucControl(self.settings, self.dialect)
         return file, control, FanucFlow(control, file, self.reader, self.folders)
 

@@ -13,6 +13,7 @@ from gcodesim.rs274.block import Block, Word
 from gcodesim.rs274.ends import start_point
 from gcodesim.rs274.fanuc import lathe_cycles
 from gcodesim.rs274.fanuc.executor import FanucExecutor
+from gcodesim.rs274.fanuc.program import FanucFile
 from gcodesim.rs274.fault import Fault
 from gcodesim.rs274.roughing import ContourMove, Point
 
@@ -23,8 +24,16 @@ _FEED_MODES = {98.0: 94.0, 99.0: 95.0}
 _ONE_SHOT = frozenset((4.0, 10.0, 65.0, 66.0))
 
 
+class FanucLatheFile(FanucFile):
+    """A program of a lathe."""
+
+    contour_cycles = frozenset((70.0, 71.0, 72.0, 73.0))
+
+
 class FanucLatheExecutor(FanucExecutor):
     """Executes blocks of a lathe by those of the milling control."""
+
+    file_class = FanucLatheFile
 
     cycle: float | None = None  # G90, G92 or G94 in force
     cycle_words: dict[str, float]

@@ -6,15 +6,17 @@ import re
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import cached_property
-from typing import NamedTuple
+from typing import ClassVar, NamedTuple
 
 from gcodesim.diagnostics import SourceText
-from gcodesim.rs274.block import Block, Word
+from gcodesim.rs274.block import Block, Expression, Word
 from gcodesim.rs274.fanuc.external import statement
 from gcodesim.rs274.fanuc.names import called_name, head_name, number_of_name
 from gcodesim.rs274.fanuc.outline import FanucOutline
-from gcodesim.rs274.program_file import ProgramFile
+from gcodesim.rs274.fault import Fault
+from gcodesim.rs274.program_file import Jump, ProgramFile
 from gcodesim.rs274.reader import Reader
+from gcodesim.rs274.tokens import VERBATIM, Token, tokens_of
 
 _BLANK_OR_NOTE = r"(?:\s|\([^)]*\))*"
 _PROGRAM = re.compile(rf"{_BLANK_OR_NOTE}(?:[Oo]|:)\s*0*([0-9]{{1,15}})(?![0-9])")
@@ -23,6 +25,7 @@ _HEAD = re.compile(rf"{_BLANK_OR_NOTE}(?:/[1-9]?{_BLANK_OR_NOTE}|[Nn]\s*[0-9]{{1
 _EXTERNAL = re.compile(r"PRNT|POPEN|PCLOS|SETVN", re.IGNORECASE)
 _LOOP = re.compile(r"(DO|END)\s*([0-9]{1,15})(?![0-9])")
 _NOTE = re.compile(r"\([^)]*\)|;.*")
+_MACRO_CALLS = frozenset((("g", 65.0), ("g", 66.0), ("g", 66.1)))
 MOST_LOOPS = 3
 
 
@@ -72,7 +75,9 @@ class Loops(NamedTuple):
 
 
 class FanucFile(ProgramFile):
-    """Lines outside the percent signs belong to no program."""
+    """Lines outside the percent signs belong to no program. P and Q of `contour_cycles` name blocks by their N."""
+
+    contour_cycles: ClassVar[frozenset[float]] = frozenset()
 
     def __init__(self, source: SourceText, reader: Reader) -> None:
         super().__init__(source, reader)
@@ -104,6 +109,77 @@ class FanucFile(ProgramFile):
             text = text[:slash] + " " * width + text[slash + width :]
             return replace(self._reader.read(index + 1, text), slash=slash)
         return super().block(index)
+
+    def tokens(self, index: int) -> list[Token]:
+        text = self.lines[index]
+        if self._is_as_written(index):
+            return [Token(VERBATIM, text, (0, len(text)))]
+        if "/" not in text or (slash := slash_inside(text)) is None:
+            return super().tokens(index)
+        width = 1 + text[slash + 1 : slash + 2].isdigit()
+        around = tokens_of(text[:slash] + " " * width + text[slash + width :], self._reader.dialect)
+        skip = Token("SKIP", text[slash : slash + width], (slash, slash + width))
+        return sorted([*around, skip], key=lambda token: token.place)
+
+    def meaning(self, index: int) -> object:
+        if self._is_as_written(index):
+            return self.lines[index]
+        block = self.block(index)
+        points = ["." in block.text[slice(*place)] for place in block.places]  # X10. may be more than X10
+        return super().meaning(index), points
+
+    def _is_as_written(self, index: int) -> bool:
+        """Whether a line is text for somebody else: around the program, for a device, or with a name in it."""
+        text = self.lines[index]
+        if not self.begin <= index < self.end:
+            return text.strip() != "%"
+        return (
+            head_name(text) is not None
+            or called_name(text) is not None
+            or (_EXTERNAL.search(text) is not None and statement(index + 1, text) is not None)
+        )
+
+    @property
+    def numbered(self) -> list[range]:
+        return [range(part.first, part.end) for part in self.parts]
+
+    def jumps(self, index: int) -> list[Jump]:
+        """Targets of GOTO, of M99 P, and of the cycles of a lathe that name their contour."""
+        tokens, words = self.tokens(index), set(self.block(index).words)
+        found = []
+        for at, token in enumerate(tokens):
+            is_return = (token.kind, token.text) == ("LETTER", "p") and ("m", 99.0) in words
+            names_contour = token.kind == "LETTER" and token.text in "pq" and self._names_contour(words)
+            if token.kind != "GOTO" and not is_return and not names_contour:
+                continue
+            if tokens[at + 1].kind != "NUMBER":
+                found.append(Jump(None))
+                continue
+            number = int(float(tokens[at + 1].text))
+            lines = [self.sequence(number, start) for start in (self._callers(index) if is_return else [index])]
+            found.append(Jump(at + 1, tuple(-1 if line is None else line for line in lines)))
+        return found
+
+    def _callers(self, index: int) -> list[int]:
+        """The lines that call the program of line `index`; of the main program, that line itself."""
+        part = self.part_at(index)
+        if part.number is None or part == self.parts[0]:
+            return [index]
+        found = []
+        for line in range(self.begin, self.end):
+            try:
+                words = self.block(line).words
+            except Fault:
+                continue
+            if ("m", 98.0) in words or not _MACRO_CALLS.isdisjoint(words):
+                numbers = [value for letter, value in words if letter == "p" and isinstance(value, float)]
+                if any(part.number in (value, value % 10_000) for value in numbers):
+                    found.append(line)
+        return found
+
+    def _names_contour(self, words: set[tuple[str, Expression]]) -> bool:
+        letters = {letter for letter, _ in words}
+        return {"p", "q"} <= letters and any(("g", code) in words for code in self.contour_cycles)
 
     def _named(self, index: int, text: str) -> Block | None:
         """The block of a line that opens a program by a name, or calls one."""

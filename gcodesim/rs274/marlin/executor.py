@@ -7,8 +7,10 @@ from typing import Final
 
 from gcodesim import canon
 from gcodesim.canon.printing import MotionLimits
-from gcodesim.diagnostics import Diagnostic, Span
+from gcodesim.diagnostics import Diagnostic, SourceText, Span
+from gcodesim.rs274.control import Control
 from gcodesim.rs274.fault import Fault
+from gcodesim.rs274.flow import FlowControl
 from gcodesim.rs274.marlin.codes import CODES
 from gcodesim.rs274.marlin.comments import take_comment
 from gcodesim.rs274.marlin.lanes import PrinterLanes
@@ -17,6 +19,7 @@ from gcodesim.rs274.marlin.line import MarlinLine, line_of
 from gcodesim.rs274.marlin.macros import MACROS
 from gcodesim.rs274.marlin.moves import MOVES
 from gcodesim.rs274.marlin.printer import Printer
+from gcodesim.rs274.marlin.printer_file import PrinterFile
 from gcodesim.rs274.program_file import ProgramFile
 from gcodesim.rs274.run import MOST_NOTES, Executor, Run
 from gcodesim.rs274.settings import MappedAction
@@ -48,6 +51,10 @@ class PrinterExecutor(Executor):
         self.lanes = PrinterLanes(self)  # type: ignore[assignment]
         self._limited = False
         self._mounted = -1
+
+    def _parts(self, source: SourceText) -> tuple[ProgramFile, Control, FlowControl]:
+        file, control = PrinterFile(source, self.reader), Control(self.settings, self.dialect)
+        return file, control, FlowControl(control, file, self.reader, self.folders)
 
     def _initial_path_control(self) -> None:
         super()._initial_path_control()

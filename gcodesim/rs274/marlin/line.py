@@ -10,7 +10,7 @@ from gcodesim.rs274.block import ColumnRange
 from gcodesim.rs274.fault import Fault
 
 _NUMBER: Final = r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)"
-_WORD: Final = re.compile(rf"[ \t]*(?:([A-Za-z])[ \t]*({_NUMBER})?|(\()|(\S))", re.ASCII)
+_WORD: Final = re.compile(rf"[ \t]*(?:([A-Za-z])[ \t]*({_NUMBER})?|(\()|(\S|[\v\f]))", re.ASCII)
 _LINE_NUMBER: Final = re.compile(r"[ \t]*[Nn][ \t]*-?[0-9]+[ \t]*")
 _CHECKSUM: Final = re.compile(r"[ \t]*\*[ \t]*([0-9]+)[ \t]*$")
 _COMMAND: Final = re.compile(r"[ \t]*([GMTDgmtd])[ \t]*([0-9]+)(?:\.([0-9]+))?", re.ASCII)
