@@ -13,6 +13,7 @@ NAMES = (
     "time_law",
     "removal",
     "log",
+    "printing",
     "reference",
     "suite",
     "neighbour",

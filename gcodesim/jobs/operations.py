@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 
 from gcodesim.canon import ToolChange
 from gcodesim.diagnostics import Span
+from gcodesim.diagnostics.line_table import LineTable
+from gcodesim.diagnostics.span_table import SpanTable
 from gcodesim.frames import Array
 from gcodesim.frozen import frozen
 from gcodesim.jobs.paces import RowPaces
@@ -49,7 +51,7 @@ def pace_figures(rows: NDArray[np.bool_], path: ToolPath, known: RowTimes) -> di
 
 
 def operation_rows(
-    path: ToolPath, file: str, lines: Sequence[str], names: Mapping[int, str], known: RowTimes
+    path: ToolPath, file: str, lines: LineTable, names: Mapping[int, str], known: RowTimes
 ) -> list[dict[str, Any]]:
     """One entry an operation, in the order of the run: name, tool, lines, time and paces. `lines` are those of `file`.
 
@@ -111,13 +113,15 @@ def _name_of(line: str) -> OperationName:
     return OperationName(text) if said is None else OperationName(said[1].strip(), said=True)
 
 
-def _heads(path: ToolPath, file: str, lines: Sequence[str]) -> dict[int, OperationName]:
+def _heads(path: ToolPath, file: str, lines: LineTable) -> dict[int, OperationName]:
     """Rows before which an operation may begin, in order, each with its name or none."""
-    comments = {line: name for line, text in enumerate(lines, start=1) if (name := _name_of(text)).text}
+    spans = SpanTable.of(path.spans)
+    comments = {index + 1: name for index in lines.with_any(b"(;") if (name := _name_of(lines[index])).text}
     heads = {e.row: OperationName() for e in path.events if isinstance(e.event, ToolChange) and e.row < len(path)}
     places = np.array(sorted(comments), dtype=np.int64)
-    own = np.array([span.file == file for span in path.spans])[path.source]
-    at = np.array([span.line for span in path.spans], dtype=np.int64)[path.source]
+    files, number = spans.files()
+    own = (number == files.get(file, -1))[path.source]
+    at = spans.lines.astype(np.int64)[path.source]
     rows = np.flatnonzero(own)
     passed = np.searchsorted(places, at[rows])
     before = np.concatenate([[0], passed[:-1]])

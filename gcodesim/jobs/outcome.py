@@ -156,7 +156,7 @@ def _results_of(job: Job, execution: Execution | None, *, failed: bool) -> Resul
         tools=tool_rows(
             path, names, row_time, length, totals, own, lambda rows: pace_figures(rows, path, known)
         ),
-        operations=operation_rows(path, job.program.name, job.program.lines, names, known),
+        operations=operation_rows(path, job.program.name, job.program.table, names, known),
         joints=_joints(plan, shop, execution),
         not_simulated=_not_simulated(job),
         probings=[probing for probing in job.probings if probing.time * 1e9 <= _end_ns(job, plan, execution)],

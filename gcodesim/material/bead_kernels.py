@@ -51,9 +51,9 @@ def unite(columns: Columns, i: int, j: int, bottom: float, top: float, fuse: flo
     lo, hi, count = columns
     n = count[i, j]
     low, high = bottom, top
-    first = 0
-    while first < n and hi[i, j, first] < bottom - fuse:
-        first += 1
+    first = n  # from above: what is laid is mostly near the top
+    while first > 0 and hi[i, j, first - 1] >= bottom - fuse:
+        first -= 1
     last = first
     before = 0.0
     while last < n and lo[i, j, last] <= top + fuse:

@@ -44,6 +44,9 @@ WALL_PLANES = 8
 BYTES_PER_COLUMN = 8 + 8 + 4 + 4 * WALL_PLANES
 """Memory of a column with one interval and its two borders; each further interval costs 16 bytes in every column."""
 
+DOUBLED = 8
+"""Intervals a column up to which their number is doubled: beyond that every one is felt in memory."""
+
 GAP_CLOSED = 1.0e-9
 """Gaps [m] up to which added material fuses with what lies above or below: rounding of layer heights."""
 
@@ -305,19 +308,19 @@ class Stock:
 
     def memento(self) -> Callable[[], None]:
         """Remember the state; calling the result restores it."""
-        kept = _copied_field(self.field)
+        kept = _kept(self.field)
         lattice = None if self.lattice is None else self.lattice.copy()
         doses = {name: dose.copy() for name, dose in self.doses.items()}
 
         def restore() -> None:
-            self.field = _copied_field(kept)
+            self.field = kept()
             self.doses = {name: dose.copy() for name, dose in doses.items()}
             self.lattice = None if lattice is None else lattice.copy()
 
         return restore
 
     def grow(self) -> None:
-        """Double the intervals that a column can hold."""
+        """Make room for more intervals in every column."""
         self.field = widened(self.field)
 
     def remove(self, starts: Array, ends: Array, shape: Shape, bodies: Sequence[Shape] = ()) -> Removal:
@@ -482,15 +485,30 @@ def _copied(columns: Columns) -> Columns:
 
 
 def widened(field: Field) -> Field:
-    """A field whose columns can hold twice as many intervals."""
+    """A field whose columns can hold twice as many intervals, or half as many again where they are many already."""
     lo, hi, count = field.columns
-    empty = np.zeros_like(lo)
-    wider = Columns(np.concatenate((lo, empty), axis=2), np.concatenate((hi, empty), axis=2), count)
+    held = lo.shape[2]
+    room = (*count.shape, held + max(held // 2, min(held, DOUBLED)))
+    wider = Columns(np.zeros(room), np.zeros(room), count)
+    wider.lo[:, :, :held], wider.hi[:, :, :held] = lo, hi
     return field._replace(columns=wider)
 
 
-def _copied_field(field: Field) -> Field:
-    return Field(_copied(field.columns), field.grid, field.walls.copy(), field.dirty.copy(), field.tops.copy())
+def _kept(field: Field) -> Callable[[], Field]:
+    """Remember a field; calling the result gives one like it."""
+    from gcodesim.material.packing_kernels import pack, unpack
+
+    number, held = field.columns.number.copy(), field.columns.lo.shape[2]
+    low, high = np.empty((2, int(number.sum(dtype=np.int64))))
+    pack(field.columns, low, high)
+    walls, dirty, tops = field.walls.copy(), field.dirty.copy(), field.tops.copy()
+
+    def again() -> Field:
+        columns = Columns(np.zeros((*number.shape, held)), np.zeros((*number.shape, held)), number.copy())
+        unpack(low, high, columns)
+        return Field(columns, field.grid, walls.copy(), dirty.copy(), tops.copy())
+
+    return again
 
 
 def _equal_columns(shape: tuple[int, int], low: float, high: float) -> Columns:

@@ -17,7 +17,6 @@ from numpy.typing import NDArray
 from gcodesim.compiled import kernel
 from gcodesim.material.bead_kernels import bead_thickness, unite
 from gcodesim.material.field_kernels import PATCH_SHIFT, Columns, Field
-from gcodesim.material.removal_kernels import overlap
 from gcodesim.material.sweep_kernels import x_of, y_of
 
 Array = NDArray[np.float64]
@@ -62,13 +61,32 @@ class StrandRoom(NamedTuple):
 def top_below(columns: Columns, i: int, j: int, tip: float, fuse: float) -> float:
     """Height [m] of the highest material of a column up to `tip`, which counts inside material; -inf if none."""
     lo, hi, count = columns
-    top = -np.inf
-    for k in range(count[i, j]):
-        if hi[i, j, k] <= lo[i, j, k]:
-            continue
-        if lo[i, j, k] <= tip + fuse:
-            top = min(hi[i, j, k], tip)
-    return top
+    for k in range(count[i, j] - 1, -1, -1):  # from above: a nozzle works near the top
+        if lo[i, j, k] <= tip + fuse and hi[i, j, k] > lo[i, j, k]:
+            return float(min(hi[i, j, k], tip))
+    return -np.inf
+
+
+@kernel
+def is_between(columns: Columns, i: int, j: int, bottom: float, top: float) -> bool:
+    """Whether a column has material inside [bottom, top]."""
+    lo, hi, count = columns
+    for k in range(count[i, j] - 1, -1, -1):
+        if hi[i, j, k] <= bottom:
+            return False
+        if min(hi[i, j, k], top) > max(lo[i, j, k], bottom):
+            return True
+    return False
+
+
+@kernel
+def end_of_filled(columns: Columns, i: int, j: int, height: float, fuse: float, without: float) -> float:
+    """The upper end [m] of the material of a column at `height`; `without` where there is none."""
+    lo, hi, count = columns
+    for k in range(count[i, j] - 1, -1, -1):
+        if lo[i, j, k] <= height + fuse:
+            return hi[i, j, k] if hi[i, j, k] >= height - fuse else without
+    return without
 
 
 @kernel
@@ -95,7 +113,7 @@ def carries(field: Field, x: float, y: float, tip: float, height: float) -> bool
     nx, ny = field.columns.number.shape
     if i < 0 or j < 0 or i >= nx or j >= ny:
         return True
-    return overlap(field.columns, i, j, tip - DEEPEST * height, tip - UNDER * height) > 0.0
+    return is_between(field.columns, i, j, tip - DEEPEST * height, tip - UNDER * height)
 
 
 @kernel
@@ -176,8 +194,11 @@ def gather(
 def around(field: Field, start: Array, end: Array, reach: float, nozzle: Nozzle) -> StrandRoom:
     """The columns within `reach` of a piece that have room, each with its distance [m] from it in place of a share.
 
-    They are what a strand flows into, nearest first.
+    They are what a strand flows into, nearest first. None where `reach` is negative.
     """
+    if reach < 0.0:
+        none = np.empty(0, dtype=np.int64)
+        return StrandRoom(none, none, np.empty(0), np.empty(0))
     columns, grid = field.columns, field.grid
     nx, ny = columns.number.shape
     dx, dy = end[0] - start[0], end[1] - start[1]
@@ -211,13 +232,10 @@ def put(field: Field, i: int, j: int, tip: float, thickness: float, nozzle: Nozz
     """Put `thickness` [m] of material into a column: onto what is below the nozzle, or hanging there; -1: no interval
     is left for it. What finds no room under the nozzle stands above it."""
     columns, _, _, dirty, tops = field
-    lo, hi, count = columns
     top = top_below(columns, i, j, tip, nozzle.fuse)
     bottom = top if tip - top <= DEEPEST * nozzle.height else tip - nozzle.height
     if top >= tip - nozzle.fuse:  # up to the nozzle all is full: it swells above
-        for k in range(count[i, j]):
-            if lo[i, j, k] <= tip + nozzle.fuse and hi[i, j, k] >= tip - nozzle.fuse:
-                bottom = hi[i, j, k]
+        bottom = end_of_filled(columns, i, j, tip, nozzle.fuse, bottom)
     added, left = 0.0, thickness
     for _ in range(8):  # what it meets on its way up fuses with it
         grown = unite(columns, i, j, bottom, bottom + left, nozzle.fuse)
@@ -228,9 +246,7 @@ def put(field: Field, i: int, j: int, tip: float, thickness: float, nozzle: Nozz
         bottom += grown
         if left <= 1.0e-12:
             break
-        for k in range(count[i, j]):
-            if lo[i, j, k] <= bottom + nozzle.fuse and hi[i, j, k] >= bottom - nozzle.fuse:
-                bottom = hi[i, j, k]
+        bottom = end_of_filled(columns, i, j, bottom, nozzle.fuse, bottom)
     pi, pj = i >> PATCH_SHIFT, j >> PATCH_SHIFT
     dirty[pi, pj] = 1
     tops[pi, pj] = max(tops[pi, pj], bottom + left)
@@ -273,9 +289,6 @@ def lay_piece(
     support = is_carried(field, start, end, nozzle, width)
     tip = 0.5 * (start[2] + end[2])
     room, beside = gather(field, start, end, width, height, nozzle)
-    wide = around(field, start, end, 1.5 * width, nozzle)
-    if not has_interval(columns, room) or not has_interval(columns, wide):
-        return -1.0, 0.0, 0.0, support, width, height
     total = beside
     for m in range(len(room.share)):
         total += room.share[m]
@@ -283,24 +296,29 @@ def lay_piece(
         return 0.0, 0.0, volume, support, width, height
     lost = volume * beside / total
     area = grid.dx * grid.dy
-    inside, left = 0.0, 0.0
+    left = 0.0
     for m in range(len(room.share)):
         wanted = volume * room.share[m] / total / area
-        given = min(wanted, room.free[m])
-        left += (wanted - given) * area
+        left += (wanted - min(wanted, room.free[m])) * area
+    wide = around(field, start, end, 1.5 * width if left > TINY else -1.0, nozzle)  # as it is before anything is put
+    if not has_interval(columns, room) or not has_interval(columns, wide):
+        return -1.0, 0.0, 0.0, support, width, height
+    inside = 0.0
+    for m in range(len(room.share)):
+        given = min(volume * room.share[m] / total / area, room.free[m])
         if given > 0.0:
             inside += put(field, room.i[m], room.j[m], tip, given, nozzle) * area
-    if left > TINY:  # sideways, as far as there is room
-        order = np.argsort(wide.share, kind="mergesort")
-        for k in range(len(order)):
-            i, j = wide.i[order[k]], wide.j[order[k]]
-            free = room_below(columns, i, j, tip, nozzle)
-            if free > 0.0:
-                added = put(field, i, j, tip, min(left / area, free), nozzle) * area
-                inside += added
-                left -= added
-                if left <= TINY:
-                    break
+    for _ in range(len(wide.share)):  # sideways, as far as there is room
+        if left <= TINY:
+            break
+        nearest = np.argmin(wide.share)
+        wide.share[nearest] = np.inf
+        i, j = wide.i[nearest], wide.j[nearest]
+        free = room_below(columns, i, j, tip, nozzle)
+        if free > 0.0:
+            added = put(field, i, j, tip, min(left / area, free), nozzle) * area
+            inside += added
+            left -= added
     above = 0.0
     if left > TINY:
         total -= beside

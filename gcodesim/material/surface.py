@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from gcodesim.arithmetic.matrices import dots
 from gcodesim.frozen import frozen
 from gcodesim.material.field_kernels import PATCH, Columns
 from gcodesim.material.flat_kernels import ColumnSpan, PatchTriangles
@@ -46,9 +45,11 @@ class Surface:
         """Enclosed volume [m^3] (divergence theorem)."""
         if len(self.faces) == 0:
             return 0.0
-        base = self.vertices[0]
-        a, b, c = (self.vertices[self.faces[:, k]] - base for k in range(3))
-        return float(dots(a, np.cross(b, c)).sum() / 6.0)
+        from gcodesim.material.mesh_volume_kernels import six_volumes
+
+        volumes = np.empty(len(self.faces))
+        six_volumes(self.vertices, self.faces, volumes)
+        return float(volumes.sum() / 6.0)
 
 
 class Facets(NamedTuple):
@@ -139,15 +140,27 @@ class _Lattice(NamedTuple):
         at = np.ix_(self.ix if count.shape[0] > 1 else none, self.iy if count.shape[1] > 1 else none)
         return Columns(lo[at], hi[at], count[at])
 
-    def columns(self, stock: Stock, original: Columns) -> _Drawn:
-        """A copy of the columns of the stock that are drawn, without its walls."""
-        from gcodesim.material.tile_kernels import take_columns
+    @property
+    def spacing(self) -> float:
+        """The greatest distance between columns [m]."""
+        return float(max(self.xs[1] - self.xs[0], self.ys[1] - self.ys[0]))
+
+    def columns(self, stock: Stock, original: Columns, closing: float = 0.0) -> _Drawn:
+        """A copy of the columns of the stock that are drawn, without its walls.
+
+        Voids between what was laid are left out if they are less than `closing` [m] high.
+        """
+        from gcodesim.material.tile_kernels import close_voids, most_intervals, take_columns
 
         shape = (len(self.ix), len(self.iy))
         columns = stock.field.columns
-        room = (*shape, columns.lo.shape[2])
-        taken = Columns(np.empty(room), np.empty(room), np.empty(shape, dtype=np.int32))
+        room = (*shape, max(1, most_intervals(columns, self.ix, self.iy)))
+        taken = Columns(np.zeros(room), np.zeros(room), np.empty(shape, dtype=np.int32))
         take_columns(columns, self.ix, self.iy, taken)
+        if closing > 0.0 and room[2] > 1:
+            most = max(1, close_voids(taken, original, closing))
+            if most < room[2]:
+                taken = Columns(taken.lo[:, :, :most].copy(), taken.hi[:, :, :most].copy(), taken.number)
         return _Drawn(taken, np.zeros((4, 0, 0), np.float32), original)
 
 
@@ -174,7 +187,11 @@ class _Place(NamedTuple):
 
 
 class Tiles:
-    """The surface of one stock in at most `across` x `across` tiles, drawn again only where the stock changed."""
+    """The surface of one stock in at most `across` x `across` tiles, drawn again only where the stock changed.
+
+    Voids between beads that are lower than the distance of drawn columns are left out: nobody sees them, and a print is
+    full of them.
+    """
 
     def __init__(self, stock: Stock, *, across: int = 4, spacing: float | None = None) -> None:
         """`spacing` [m] between drawn columns; default: the stock's own, or coarser to keep tiles small."""
@@ -210,7 +227,7 @@ class Tiles:
 
     def _columns(self, place: _Place) -> _Drawn:
         """A copy of the columns that a tile draws, and of those around them."""
-        columns = place.lattice.columns(self._stock, place.original)
+        columns = place.lattice.columns(self._stock, place.original, place.lattice.spacing)
         if not self._all_drawn:
             return columns
         i, j = place.corner

@@ -26,6 +26,52 @@ def take_columns(columns: Columns, ix: Ints, iy: Ints, taken: Columns) -> None:
                 taken.lo[a, b, k], taken.hi[a, b, k] = lo[i, j, k], hi[i, j, k]
 
 
+@kernel(lean=True, inlined=True)
+def is_void(columns: Columns, i: int, j: int, k: int, closing: float, original: Columns) -> bool:
+    """Whether the gap above interval k, if less than `closing` [m] high, was no material at the start either."""
+    lo, hi, _ = columns
+    bottom, top = hi[i, j, k], lo[i, j, k + 1]
+    if top - bottom >= closing:
+        return False
+    at_i, at_j = min(i, original.number.shape[0] - 1), min(j, original.number.shape[1] - 1)
+    for m in range(original.number[at_i, at_j]):
+        if original.lo[at_i, at_j, m] < top and original.hi[at_i, at_j, m] > bottom:
+            return False
+    return True
+
+
+@kernel(lean=True)
+def most_intervals(columns: Columns, ix: Ints, iy: Ints) -> int:
+    """The greatest number of intervals in the columns at `ix` (m,) and `iy` (n,)."""
+    most = 0
+    for a in range(len(ix)):
+        for b in range(len(iy)):
+            most = max(most, columns.number[ix[a], iy[b]])
+    return most
+
+
+@kernel(lean=True)
+def close_voids(columns: Columns, original: Columns, closing: float) -> int:
+    """Close gaps between what was laid that are less than `closing` [m] high, in place; the most intervals then.
+
+    `original` are the columns at the start, or one for all.
+    """
+    lo, hi, count = columns
+    most = 0
+    for i in range(count.shape[0]):
+        for j in range(count.shape[1]):
+            kept = 0
+            for k in range(count[i, j]):
+                if k > 0 and is_void(columns, i, j, k - 1, closing, original):
+                    hi[i, j, kept - 1] = hi[i, j, k]
+                    continue
+                kept += 1
+                lo[i, j, kept - 1], hi[i, j, kept - 1] = lo[i, j, k], hi[i, j, k]
+            count[i, j] = kept
+            most = max(most, kept)
+    return most
+
+
 @kernel(lean=True)
 def same_columns(columns: Columns, before: Columns) -> bool:
     """Whether as many columns have the same pieces as before."""

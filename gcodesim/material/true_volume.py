@@ -41,18 +41,14 @@ def with_volume(surface: Surface, volume: float, cell: float) -> Surface:
     they are. `cell` [m] is that of the stock's columns. A point moved by d along the level part of its share of areas
     (a third of the vector of each triangle around it) changes the volume by d times the length of that part.
     """
+    from gcodesim.material.mesh_volume_kernels import level_shares
+
     if not len(surface.faces) or abs(surface.volume - volume) <= CLOSE * abs(volume):
         return surface
     faces, points = surface.faces, surface.vertices
-    normal = np.cross(points[faces[:, 1]] - points[faces[:, 0]], points[faces[:, 2]] - points[faces[:, 0]])
-    share = np.zeros((len(points), 2))
-    for axis in range(2):
-        for corner in range(3):
-            share[:, axis] += np.bincount(faces[:, corner], normal[:, axis] / 6.0, minlength=len(points))
-    free = np.zeros(len(points), dtype=bool)
-    free[faces[surface.cut != 0]] = True  # with the columns beside them, whose edges lean where a step is a slope
-    free[faces[(surface.cut == 0) & (np.abs(normal[:, 2]) <= UPRIGHT * norms(normal))]] = False
-    share[~free] = 0.0
+    share, free = np.zeros((len(points), 2)), np.zeros(len(points), dtype=np.uint8)
+    level_shares(points, faces, surface.cut, UPRIGHT, np.zeros_like(share), share, free)
+    share[free == 0] = 0.0  # points of cut triangles are free with the columns beside them, which lean at a slope
     area = norms(share)
     way = np.zeros_like(points)
     way[:, :2] = np.divide(share, area[:, None], out=np.zeros_like(share), where=area[:, None] > 0.0)

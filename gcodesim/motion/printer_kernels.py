@@ -17,7 +17,7 @@ STRAIGHT = 0.999999  # cosine from which two moves count as one line
 
 class Moves(NamedTuple):
     """n moves: `begin` and `end` (n, 4) are the directions at their ends, filament as a fourth axis for each metre of
-    way; `length`, `speed` and `acceleration` (n,) hold along them, `rest` (n,) says that a move ends at rest.
+    way; `length`, `speed` and `acceleration` (n,) hold along them.
     """
 
     begin: Column
@@ -25,7 +25,6 @@ class Moves(NamedTuple):
     length: Column
     speed: Column
     acceleration: Column
-    rest: Column
 
 
 class JunctionLimits(NamedTuple):
@@ -86,12 +85,12 @@ def corner_speed(moves: Moves, k: int, deviation: float, is_klipper: bool) -> fl
 
 
 @kernel(short=True)
-def junctions(moves: Moves, corners: JunctionLimits) -> Column:
-    """The greatest speed (n,) [m/s] at the end of each move, 0 where it ends at rest."""
-    n = len(moves.length)
+def junctions(rest: Column, moves: Moves, corners: JunctionLimits) -> Column:
+    """The greatest speed (n,) [m/s] at the end of each move, 0 where `rest` (n,) says that it ends at rest."""
+    n = len(rest)
     out = np.zeros(n)
     for k in range(n - 1):
-        if moves.rest[k]:
+        if rest[k]:
             continue
         speed = min(moves.speed[k], moves.speed[k + 1])
         corner, deviation = corners.corner[k + 1], corners.deviation[k + 1]

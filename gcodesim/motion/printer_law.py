@@ -53,8 +53,8 @@ def as_printed(pieces: Pieces) -> Pieces:
     acceleration = np.where(planned, acceleration, pieces.acceleration)
     rest = _rests(pieces)
     rest[:-1] |= ~planned[1:] | ~planned[:-1]
-    moves = Moves(begin, end, pieces.length, speed, acceleration, rest)
-    junction = junctions(moves, JunctionLimits(limits.jerk, limits.deviation, limits.corner))
+    moves = Moves(begin, end, pieces.length, speed, acceleration)
+    junction = junctions(rest, moves, JunctionLimits(limits.jerk, limits.deviation, limits.corner))
     if (limits.buffer < _FAR).any():
         junction = within_buffer(pieces.length, acceleration, junction, limits.buffer)
     return replace(pieces, speed=speed, acceleration=acceleration, junction=junction, ratio=np.ones(len(pieces)))

@@ -65,9 +65,9 @@ def test_grown_columns_lose_nothing():
     result = stock.remove(starts, ends, tool)
     assert result.volume == pytest.approx(np.full(18, 20 * 6 * 0.4 * MM**3), rel=1e-9)
     assert int(stock.field.columns.number.max()) == 19
-    assert stock.field.columns.lo.shape[2] == 32
+    assert stock.field.columns.lo.shape[2] == 24
     lo, hi, number = stock.field.columns
-    used = np.arange(32) < number[:, :, None]
+    used = np.arange(24) < number[:, :, None]
     assert (hi > lo)[used].all()
     gaps = (lo[:, :, 1:] - hi[:, :, :-1])[used[:, :, 1:]]
     assert (gaps > 0.0).all()
@@ -150,3 +150,19 @@ def test_tops_follow_what_is_added():
     line = np.array([[10.0, 20.0, 2.0], [30.0, 20.0, 2.0]]) * MM
     stock.add_bead(line[:1], line[1:], 4 * MM, 2 * MM)
     assert stock.touch(at, at, holder)[0][0] > 0.0
+
+
+def test_a_memento_of_packed_columns_gives_back_the_same_stock_each_time():
+    stock = Stock.box((0, 0, -20 * MM), (20 * MM, 20 * MM, 0), 0.5 * MM)
+    slots = np.array([[-10, 10, z] for z in (-18.0, -12.0, -6.0)]) * MM
+    along = np.array([20 * MM, 0, 0])
+    stock.remove(slots, slots + along, shape.flat(6 * MM, 1 * MM))
+    before, intervals = stock.volume, [stock.intervals_at(x * MM, 10 * MM) for x in (3, 9, 15)]
+    restore = stock.memento()
+
+    for _ in range(2):
+        stock.remove(slots, slots + 2.0 * along, shape.flat(6 * MM, 4 * MM))
+        assert stock.volume < before
+        restore()
+        assert stock.volume == before
+        assert [stock.intervals_at(x * MM, 10 * MM) for x in (3, 9, 15)] == intervals

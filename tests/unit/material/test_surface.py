@@ -363,3 +363,29 @@ def test_files_have_the_volume_of_the_stock(resolution, depth):
     assert np.abs(surface.vertices - plain.vertices).max() <= 0.5 * stock.cell * 1.001
     low, high = stock.bounds
     assert np.array_equal(surface.vertices.min(axis=0), low) and np.array_equal(surface.vertices.max(axis=0), high)
+
+
+def printed(gap_mm):
+    """A plate with a bar 0.4 mm above it that was laid there, and a slot as high as the gap that was milled."""
+    stock = block()
+    stock.remove(np.array([[-5, 5, -8]]) * MM, np.array([[45, 5, -8]]) * MM, shape.flat(6 * MM, gap_mm * MM))
+    stock.add_bead(np.array([[-5, 20, 1 + gap_mm]]) * MM, np.array([[45, 20, 1 + gap_mm]]) * MM, 6 * MM, 1 * MM)
+    return stock
+
+
+def inner_heights(stock):
+    """Heights [mm] of all points of the tiles inside of the outermost rim, above the floor."""
+    points = np.vstack([part.points for tile in stock.tiles().all() for part in (tile.original, tile.changed)])
+    inside = (abs(points[:, 0] - 20 * MM) < 15 * MM) & (points[:, 2] > -14 * MM)
+    return sorted({round(float(z) / MM, 2) for z in points[inside, 2]})
+
+
+def test_tiles_leave_out_low_voids_between_beads_and_nothing_else():
+    """Columns are drawn 0.5 mm apart: a void of 0.4 mm below a bead is not seen, a slot of 0.4 mm in the part is."""
+    low, high = inner_heights(printed(0.4)), inner_heights(printed(0.7))
+
+    assert {-8.0, -7.6} <= set(low), "the slot of the part"
+    assert 1.4 in low and 0.4 not in low
+    assert {-8.0, -7.3, 0.7, 1.7} <= set(high)
+    heights = {round(float(z) / MM, 2) for z in printed(0.4).surface(0.0).vertices[:, 2]}
+    assert 0.4 in heights, "the surface of files keeps the void"
