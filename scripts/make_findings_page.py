@@ -20,6 +20,7 @@ HUNDREDS = {
     "5": "Process",
     "6": "Time and regression",
     "7": "Cell",
+    "8": "Programs for other controls",
     "9": "Not simulated",
 }
 

@@ -21,6 +21,7 @@ COMMANDS = (
     "import_",
     "info",
     "export",
+    "post",
     "plot",
     "report",
     "test",

@@ -16,6 +16,7 @@ WHAT = (
     "kinematics",
     "machines",
     "materials",
+    "posts",
     "processes",
     "sensors",
     "tolerances",
@@ -59,6 +60,10 @@ def _rows(what: str) -> list[list[str]]:
         from gcodesim.export import EXPORTERS
 
         return [[name, EXPORTERS[name].says] for name in EXPORTERS]
+    if what == "posts":
+        from gcodesim.post import LANGUAGES
+
+        return [[name, LANGUAGES[name].says] for name in LANGUAGES]
     if what == "tolerances":
         from gcodesim.regress.tolerance_kind import table
 

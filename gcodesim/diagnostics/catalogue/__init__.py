@@ -25,6 +25,7 @@ _TABLES = {
     "5": "process",
     "6": "regression",
     "7": "cell",
+    "8": "posting",
     "9": "not_simulated",
 }
 

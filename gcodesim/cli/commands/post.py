@@ -1,0 +1,203 @@
+"""`gcodesim post RUN --for krl`: what was checked, as a program of the control that will run it."""
+
+from __future__ import annotations
+
+import argparse
+import tempfile
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+from gcodesim.cli.exits import OK, UsageError, status_of
+from gcodesim.cli.language import Language
+from gcodesim.cli.moments import open_recording, reads_logs
+from gcodesim.cli.nearest import no_such
+from gcodesim.cli.options import add_cell, add_fail_on, add_format, add_language, read_source
+from gcodesim.cli.outline import may_be
+from gcodesim.cli.output import print_count, print_findings, print_json
+from gcodesim.cli.overwriting import refuse_foreign
+from gcodesim.diagnostics import Diagnostic, Severity
+from gcodesim.files.output_folder import LOG_NAME
+from gcodesim.post import LANGUAGES
+
+if TYPE_CHECKING:
+    from gcodesim.jobs.job import Job
+    from gcodesim.post.from_plan import Wish
+
+_HELP: Final = """languages of robots:
+  krl       KUKA: NAME.src and NAME.dat
+  rapid     ABB: NAME.mod
+  urscript  Universal Robots: NAME.script
+  fanuc-ls  Fanuc: NAME.ls
+`gcodesim list posts` names those of other packages too.
+
+examples:
+  gcodesim post out --for krl
+  gcodesim post out --for rapid --motion joint --tolerance 0.05
+  gcodesim post part.nc --cell arm.yaml --for urscript --signal spindle=3
+"""
+
+
+def add_parser(commands: Any) -> None:
+    parser = commands.add_parser(
+        "post",
+        help="what was checked, as a program of a robot's own control",
+        description="Write the path of a finished run, or of a program that is checked now, as a program of the robot's"
+        " own control: points, speeds, rounded corners, frames, tools, external axes, outputs. What cannot be said"
+        " there is told.",
+        epilog=_HELP,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument(
+        "program", type=Path, metavar="RUN", help="the folder of a run or its run.mcap; or a program, with --cell"
+    )
+    may_be(
+        parser.add_argument("--for", dest="target", metavar="LANGUAGE", required=True, help="one of those below"),
+        lambda: tuple(LANGUAGES),
+    )
+    parser.add_argument("-o", "--out", type=Path, metavar="DIR", help="the folder for the files (default: this one)")
+    parser.add_argument(
+        "--motion",
+        choices=("linear", "joint"),
+        default="linear",
+        help="lines and circles of the tip (default), or joints, in as many short moves as it takes",
+    )
+    parser.add_argument(
+        "--tolerance",
+        type=_length,
+        default=0.01,
+        metavar="MM",
+        help="how far the tip may be off between two points (default: 0.01 mm)",
+    )
+    parser.add_argument(
+        "--signal",
+        action="append",
+        default=[],
+        metavar="NAME=OUTPUT",
+        help="the output of the control for P1 (M62 to M65), E0 (M67, M68), spindle, reverse, speed, flood, mist, or an"
+        " M-code such as M10; with a fixed value as M11=7:0; may be given several times",
+    )
+    add_cell(parser, required=False)
+    add_language(parser)
+    add_format(parser)
+    add_fail_on(parser)
+    parser.set_defaults(run=reads_logs(run))
+
+
+def run(arguments: argparse.Namespace) -> int:
+    from gcodesim.post.from_plan import Wish
+    from gcodesim.units import MM
+
+    if arguments.target not in LANGUAGES:
+        raise UsageError(no_such("language", arguments.target, LANGUAGES))
+    signals = dict(_signal(text) for text in arguments.signal)
+    wish = Wish(motion=arguments.motion, tolerance=arguments.tolerance * MM, signals=signals)
+    if arguments.program.is_dir() or arguments.program.suffix == Path(LOG_NAME).suffix:
+        with tempfile.TemporaryDirectory(prefix="gcodesim-") as scratch:
+            return _write(arguments, _job_of_run(arguments, Path(scratch)), wish)
+    return _write(arguments, _job_of_program(arguments), wish)
+
+
+def _job_of_run(arguments: argparse.Namespace, scratch: Path) -> Job:
+    """The job of a run without errors."""
+    from gcodesim.post.checked import OtherInputsError, job_of
+
+    recording = open_recording(arguments.program)
+    results = recording.results
+    if not results:
+        raise UsageError(f"{arguments.program} is no finished run: it has no results")
+    errors = [finding for finding in results.get("findings", ()) if finding["severity"] == "error"]
+    if errors or results["status"] == "failed":
+        first = f": {errors[0]['code']}: {errors[0]['message']}" if errors else ""
+        raise UsageError(f"the run has errors, so there is no checked path to post{first}")
+    language = Language.of(arguments)
+    try:
+        return job_of(
+            recording,
+            arguments.cell,
+            scratch,
+            allow_paths=arguments.allow_path,
+            allow_code=arguments.allow_code,
+            settings=language.over,
+        )
+    except OtherInputsError as reason:
+        raise UsageError(str(reason)) from None
+
+
+def _job_of_program(arguments: argparse.Namespace) -> Job:
+    """A program that is checked now; UsageError where that finds an error."""
+    from gcodesim.cell import load_cell
+    from gcodesim.jobs.job import Options
+    from gcodesim.simulation import check, prepare
+
+    program = read_source(arguments.program, "program")
+    if arguments.cell is None:
+        raise UsageError("name the cell by --cell, or give the folder of a run")
+    read_source(arguments.cell, "cell")
+    language = Language.of(arguments)
+    loaded = load_cell(arguments.cell, arguments.allow_path, allow_code=arguments.allow_code)
+    job = prepare(program, loaded, Options(settings=language.over, sources=language.sources))
+    errors = [finding for finding in check(job).findings if finding.level >= Severity.ERROR]
+    if errors:
+        print_findings(errors, job.sources)
+        raise UsageError("the check finds errors, so there is no path to post")
+    return job
+
+
+def _write(arguments: argparse.Namespace, job: Job, wish: Wish) -> int:
+    from gcodesim.diagnostics import Span
+    from gcodesim.files.whole_file import write_whole
+    from gcodesim.post.from_plan import NotPostedError, program_of
+
+    language = LANGUAGES[arguments.target]()
+    files: dict[str, str] = {}
+    findings: list[Diagnostic] = []
+    try:
+        program, unsaid = program_of(job, language, wish)
+        written = language.write(program)
+        files, findings = dict(written.files), [*unsaid, *written.findings]
+    except NotPostedError as reason:
+        findings.append(Diagnostic(code="GS801", span=Span(job.program.name), message=f"not posted: {reason}"))
+    findings = job.shown(sorted(findings, key=lambda finding: finding.order))
+    folder: Path = arguments.out or Path()
+    paths = [folder / name for name in files]
+    for path in paths:
+        refuse_foreign(path)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        for path, text in zip(paths, files.values(), strict=True):
+            write_whole(path, text.encode("ascii"))
+    except OSError as error:
+        raise UsageError(f"{folder} cannot be written: {error.strerror}") from None
+    if arguments.format == "json":
+        from gcodesim.diagnostics.show import as_json
+
+        print_json({"schema": "gcodesim-post/1", "files": sorted(files), "findings": [as_json(f) for f in findings]})
+    else:
+        print_findings(findings, job.sources)
+        print_count(job.program.name, findings)
+        for path in paths:
+            print(f"wrote {path}")
+    return status_of(findings, arguments.fail_on) if findings else OK
+
+
+def _signal(text: str) -> tuple[str, str]:
+    name, equals, output = text.partition("=")
+    if not (equals and name and output):
+        raise UsageError(f"--signal {text}: NAME=OUTPUT is expected, such as spindle=3")
+    _, colon, value = output.partition(":")
+    if colon:
+        try:
+            float(value)
+        except ValueError:
+            raise UsageError(f"--signal {text}: {value} is no number") from None
+    return name, output
+
+
+def _length(text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = 0.0
+    if not 1e-4 <= value <= 10.0:
+        raise argparse.ArgumentTypeError(f"{text} is no length in mm from 0.0001 to 10")
+    return value

@@ -1,0 +1,125 @@
+"""A robot program before it is put into words: what every control is told, in SI."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Literal
+
+from gcodesim.diagnostics import Span
+from gcodesim.frames import Array, Pose
+from gcodesim.frozen import frozen
+
+if TYPE_CHECKING:
+    from gcodesim.kinematics.protocol import Kinematics
+
+
+@frozen(eq=False)
+class Place:
+    """Where the tool is, and how the machine stands there.
+
+    `X_BT` is the tip seen from the base of the arm (of an arm that is carried: its base while that stands at zero),
+    `q` (k,) the joints of the arm [rad], `externals` (e,) the external axes [m, rad].
+    """
+
+    X_BT: Pose
+    q: Array
+    externals: Array
+
+
+@frozen(eq=False)
+class Step:
+    """One thing that the robot is told; `span` is the place of the program that asks for it."""
+
+    span: Span
+
+
+@frozen(eq=False)
+class Move(Step):
+    """A move to `to`, by joints, along a line, or along the circle through `via`.
+
+    `speed` [m/s] of the tip; `share` of the greatest joint speeds, for moves by joints; `seconds` is how long it was
+    planned to take. The corner at its end is rounded from `blend` [m] before the point on; 0: it stops there.
+    `frame` and `tool` are numbers of `RobotProgram.frames` and `tools`.
+    """
+
+    kind: Literal["joint", "linear", "circular"]
+    to: Place
+    via: Place | None = None
+    speed: float = 0.0
+    share: float = 1.0
+    seconds: float = 0.0
+    blend: float = 0.0
+    frame: int = 1
+    tool: int = 0
+
+
+@frozen(eq=False)
+class Wait(Step):
+    """Stand for `seconds`."""
+
+    seconds: float
+
+
+@frozen(eq=False)
+class Switch(Step):
+    """Set an output of the control, by its name there; `digital`: on where `value` is not 0.
+
+    `with_motion`: where the next move begins, without a stop.
+    """
+
+    signal: str
+    digital: bool
+    value: float
+    with_motion: bool = False
+
+
+@frozen(eq=False)
+class Halt(Step):
+    """Stop until somebody starts the program again; `text` says why."""
+
+    text: str
+
+
+@frozen(eq=False)
+class Remark(Step):
+    """A comment."""
+
+    text: str
+
+
+@frozen(eq=False)
+class Frame:
+    """A frame in which places are told: `X_BP` seen from the base of the arm, with its name, as G54."""
+
+    name: str
+    X_BP: Pose
+
+
+@frozen(eq=False)
+class ToolFrame:
+    """A tool: its tip `X_FT` seen from the flange, its name and mass [kg], with the centre of it [m] in F."""
+
+    name: str
+    X_FT: Pose
+    mass: float
+    centre: tuple[float, float, float]
+
+
+@frozen(eq=False)
+class RobotProgram:
+    """All that is to be said: `steps` in order, with `frames` and `tools` by number, and what stands in the heading.
+
+    `kinematics` is that of the arm alone; `external_names` and `external_slides` (whether it slides) of its external
+    axes. `joint_speeds` (k,) [rad/s] are the greatest of the arm.
+    """
+
+    name: str
+    source: str
+    cell: str
+    steps: tuple[Step, ...]
+    frames: Mapping[int, Frame]
+    tools: Mapping[int, ToolFrame]
+    kinematics: Kinematics
+    joint_speeds: Array
+    external_names: tuple[str, ...] = ()
+    external_slides: tuple[bool, ...] = ()

@@ -1,0 +1,112 @@
+"""What happens between moves, in the words of a robot's control."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, Final
+
+from gcodesim import canon
+from gcodesim.diagnostics import Diagnostic, Severity, Span
+from gcodesim.post.moves import Halt, Remark, Step, Switch, Wait
+from gcodesim.units import RPM
+
+if TYPE_CHECKING:
+    from gcodesim.post.language import Language
+
+_STATES: Final = (
+    canon.ToolSelect, canon.ToolOffset, canon.WorkSystem, canon.PathMode, canon.PlannerLimits, canon.PointControl,
+    canon.Override, canon.SectionStart, canon.End, canon.EndOfFile, canon.OptionalStop, canon.PalletShuttle,
+)  # fmt: skip
+SIGNALS: Final = ("spindle", "reverse", "speed", "flood", "mist")
+"""Names of what has no number in a program."""
+
+
+class Said:
+    """Turns events into steps, with `signals` as the user has named them; what cannot be said is in `findings`."""
+
+    def __init__(self, language: Language, signals: Mapping[str, str]) -> None:
+        self._language, self._signals = language, signals
+        self.findings: list[Diagnostic] = []
+        self.used: set[str] = set()
+        self._unsaid: set[str] = set()
+        self._has_tool = False
+
+    def steps(self, event: canon.Event) -> Iterator[Step]:
+        """The steps of one event."""
+        span = event.span
+        if isinstance(event, canon.Dwell):
+            if event.seconds > 0.0:
+                yield Wait(span=span, seconds=event.seconds)
+        elif isinstance(event, canon.Output):
+            letter = "P" if event.type == "digital" else "E"
+            yield from self._switch(
+                span, f"{letter}{event.index}", event.type == "digital", event.value, event.with_motion
+            )
+        elif isinstance(event, canon.Spindle):
+            yield from self._spindle(event)
+        elif isinstance(event, canon.Coolant):
+            yield from self._switch(span, "flood", True, float(event.flood), False, matters=event.flood)
+            yield from self._switch(span, "mist", True, float(event.mist), False, matters=event.mist)
+        elif isinstance(event, canon.Action):
+            yield from self._switch(span, f"M{event.m}", True, 1.0, False)
+        elif isinstance(event, (canon.ToolChange, canon.ToolNumber)):
+            if self._has_tool:
+                yield Halt(span=span, text=f"tool T{event.tool}")
+            self._has_tool = True
+        elif isinstance(event, canon.Stop):
+            yield Halt(span=span, text="stop of the program")
+        elif isinstance(event, (canon.Message, canon.Print, canon.Log)):
+            yield Remark(span=span, text=event.text)
+        elif not isinstance(event, _STATES):
+            self._not_said(span, type(event).__name__, "")
+
+    def _spindle(self, event: canon.Spindle) -> Iterator[Step]:
+        on = event.direction != "off"
+        turning = event.speed if event.unit == "rad/s" else 0.0
+        if on:
+            yield from self._switch(
+                event.span, "reverse", True, float(event.direction == "ccw"), False, matters=event.direction == "ccw"
+            )
+            yield from self._switch(event.span, "speed", False, turning / RPM, False)
+        yield from self._switch(event.span, "spindle", True, float(on), False, matters=on)
+
+    def _switch(
+        self, span: Span, name: str, digital: bool, value: float, with_motion: bool, *, matters: bool = True
+    ) -> Iterator[Step]:
+        """Set what the program calls `name`; a finding where the control has no output for it, if it `matters`."""
+        own = self._signals.get(name, "")
+        if not own and name[0] in "PE" and name[1:].isdigit():
+            own = self._language.signal(digital, int(name[1:]))
+        if not own:
+            if matters or name in self._unsaid:
+                self._not_said(span, name, f"name its output: --signal {name}=…")
+            return
+        self.used.add(name)
+        signal, _, fixed = own.partition(":")
+        yield Switch(span=span, signal=signal, digital=digital, value=float(fixed or value), with_motion=with_motion)
+
+    def _not_said(self, span: Span, what: str, hint: str) -> None:
+        if what in self._unsaid:
+            return
+        self._unsaid.add(what)
+        self.findings.append(
+            Diagnostic(
+                code="GS802",
+                severity=Severity.WARNING,
+                span=span,
+                message=f"not posted: {_IN_WORDS.get(what, what)}, from here on",
+                hint=hint or "do it by hand on the control, or leave it out of the program",
+            )
+        )
+
+
+_IN_WORDS: Final = {
+    "spindle": "the spindle",
+    "reverse": "the sense of the spindle, M4",
+    "speed": "the speed of the spindle",
+    "flood": "coolant, M8",
+    "mist": "coolant, M7",
+    "Orient": "the angle of the spindle, M19",
+    "Extrude": "filament",
+    "Tap": "tapping",
+}

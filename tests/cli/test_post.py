@@ -1,0 +1,100 @@
+"""`gcodesim post` as a user runs it."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from gcodesim.cli import main
+
+CELL = """gcodesim: 1
+robots: {arm: {model: kuka_kr10_r1100_2, home: [0, -90, 90, 0, 90, 0]}}
+work_offsets: {G54: {in: world, xyz: [600, 0, 300]}}
+tools:
+  1: {type: flat_end_mill, diameter: 6, length: 40}
+simulation: {world: kinematic}
+"""
+PROGRAM = "G21 G90 G94\nT1 M6\nS6000 M3\nG0 X20 Y20 Z10\no<down> call\nG1 X60\nM2\n"
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    Path("arm.yaml").write_text(CELL)
+    Path("part.nc").write_text(PROGRAM)
+    Path("down.ngc").write_text("o<down> sub\nG1 Z2 F300\no<down> endsub\nM2\n")
+    return tmp_path
+
+
+def test_a_run_is_posted_like_its_program(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["run", "part.nc", "--cell", "arm.yaml", "--out", "out"]) == 0
+    Path("down.ngc").unlink()  # the log has it
+    Path("arm.yaml").rename("elsewhere.yaml")
+    capsys.readouterr()
+    assert main(["post", "out", "--for", "krl", "-o", "of_run"]) == 0
+    said = capsys.readouterr().out
+    assert "part.nc:3:1: warning GS802: not posted: the spindle" in said
+    assert f"wrote {Path('of_run') / 'part.src'}" in said
+
+    Path("arm.yaml").write_text(CELL)
+    Path("down.ngc").write_text("o<down> sub\nG1 Z2 F300\no<down> endsub\nM2\n")
+    assert main(["post", "part.nc", "--cell", "arm.yaml", "--for", "krl", "-o", "of_program"]) == 0
+    for name in ("part.src", "part.dat"):
+        assert (folder / "of_run" / name).read_bytes() == (folder / "of_program" / name).read_bytes()
+
+
+def test_a_cell_that_has_changed_is_refused(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["run", "part.nc", "--cell", "arm.yaml", "--out", "out"]) == 0
+    Path("arm.yaml").write_text(CELL.replace("600", "610"))
+
+    assert main(["post", "out", "--for", "krl", "--cell", "arm.yaml", "-o", "x"]) == 2
+    assert "has changed since" in capsys.readouterr().err
+    assert not Path("x").exists()
+
+
+def test_a_path_with_errors_is_refused(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    Path("part.nc").write_text("G21 G90 G94\nT1 M6\nG0 X20 Y20 Z10\nG1 X3000 F300\nM2\n")
+
+    assert main(["run", "part.nc", "--cell", "arm.yaml", "--out", "out"]) == 1
+    assert main(["post", "out", "--for", "krl"]) == 2
+    assert main(["post", "part.nc", "--cell", "arm.yaml", "--for", "krl"]) == 2
+    assert "no checked path" in capsys.readouterr().err
+    assert not list(folder.glob("*.src"))
+
+
+def test_files_of_others_are_not_overwritten(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    Path("part.src").write_text("DEF part()\nEND\n")
+
+    assert main(["post", "part.nc", "--cell", "arm.yaml", "--for", "krl"]) == 2
+    assert "did not write it" in capsys.readouterr().err
+
+
+def test_json_and_signals(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    words = ["post", "part.nc", "--cell", "arm.yaml", "--for", "urscript", "--format", "json"]
+    assert main([*words, "--signal", "spindle=3", "--signal", "speed=0"]) == 0
+    assert json.loads(capsys.readouterr().out) == {
+        "schema": "gcodesim-post/1",
+        "files": ["part.script"],
+        "findings": [],
+    }
+    assert "set_standard_digital_out(3, True)" in Path("part.script").read_text()
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        (["--for", "krll"], "krl"),
+        (["--for", "krl", "--signal", "spindle"], "NAME=OUTPUT"),
+        (["--for", "krl", "--signal", "M11=7:x"], "no number"),
+        (["--for", "krl", "--tolerance", "0"], "no length"),
+    ],
+)
+def test_wrong_use(folder: Path, capsys: pytest.CaptureFixture[str], words: list[str], says: str) -> None:
+    try:
+        status = main(["post", "part.nc", "--cell", "arm.yaml", *words])
+    except SystemExit as end:
+        status = end.code
+    assert status == 2
+    assert says in capsys.readouterr().err
