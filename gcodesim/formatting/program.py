@@ -9,6 +9,7 @@ from dataclasses import replace
 from typing import Final
 
 from gcodesim.diagnostics import Diagnostic, SourceText, Span
+from gcodesim.formatting.comments import Parts, ends_in_comment, joined, place_of_comment
 from gcodesim.formatting.indentation import depths_of
 from gcodesim.formatting.line import line_text
 from gcodesim.formatting.numbering import Numbering, renumbered
@@ -67,26 +68,31 @@ def _lines(
 ) -> tuple[list[str], tuple[int, ...]]:
     indents = style.indent and dialect.flow_words and not dialect.statements and not dialect.prints
     depths = depths_of(file) if indents else [0] * len(file.lines)
-    texts, unread = [], []
+    lines, unread = list[Parts](), []
     for index, depth in enumerate(depths):
         try:
-            texts.append(_line(file, index, depth, style, dialect, numbering))
+            lines.append(_parts(file, index, depth, style, dialect, numbering))
         except Fault:
-            texts.append(file.lines[index])
+            lines.append(Parts(file.lines[index]))
             unread.append(index + 1)
-    return texts, tuple(unread)
+    return joined(lines, dialect.longest_line), tuple(unread)
 
 
-def _line(file: ProgramFile, index: int, depth: int, style: Style, dialect: Dialect, numbering: Numbering) -> str:
+def _parts(file: ProgramFile, index: int, depth: int, style: Style, dialect: Dialect, numbering: Numbering) -> Parts:
     """The line in the style; without blanks where it would become too long for the control."""
     tokens = file.tokens(index)
     if not tokens or (len(tokens) == 1 and tokens[0].kind == VERBATIM):
-        return tokens[0].text if tokens else ""
+        return Parts(tokens[0].text if tokens else "")
     numbers = numbering.texts.get(index, {})
-    text = " " * (style.indent * depth) + line_text(tokens, style, dialect, numbers)
-    if len(text) <= dialect.longest_line:
-        return text
-    return line_text(tokens, replace(style, spaces=False), dialect, numbers)
+    indent = " " * (style.indent * depth)
+    text = indent + line_text(tokens, style, dialect, numbers)
+    if len(text) > dialect.longest_line:
+        return Parts(line_text(tokens, replace(style, spaces=False), dialect, numbers))
+    if not (style.spaces and ends_in_comment(tokens)):
+        return Parts(text)
+    column, gap = place_of_comment(file.lines[index], tokens)
+    code = indent + line_text(tokens[:-1], style, dialect, numbers)
+    return Parts(code, tokens[-1].text.rstrip(), column, gap)
 
 
 def _written(program: SourceText, texts: Sequence[str]) -> SourceText:

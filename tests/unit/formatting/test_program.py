@@ -36,6 +36,21 @@ def test_bodies_of_o_words_are_indented():
     assert written(raw, Style(indent=0)).decode().splitlines() == [line.lstrip() for line in lines]
 
 
+def test_comments_in_a_column_stay_in_one():
+    raw = b"g21g90    (units)\ng0 x1.00 (a)\ng1y2f100 (b)\nz3\nm3s1000 (c)\n\nm5      (d)\nm2 (e)\n"
+
+    assert written(raw).decode().splitlines() == [
+        "G21 G90 (units)",
+        "G0 X1      (a)",
+        "G1 Y2 F100 (b)",
+        "Z3",
+        "M3 S1000 (c)",
+        "",
+        "M5 (d)",
+        "M2 (e)",
+    ]
+
+
 def test_a_line_that_would_be_too_long_goes_without_blanks():
     raw = b"#1=[" + b"+".join([b"1"] * 120) + b"]\nm2\n"
 
