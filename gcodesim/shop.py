@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import field, replace
 from functools import partial
 from math import isnan
+from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -355,19 +356,23 @@ def _loaded(chain: Chain, payload: Payload | None) -> Chain:
     return replace(chain, links=links)
 
 
-def with_stock(shop: Shop) -> tuple[Shop, list[Diagnostic]]:
-    """The shop with its workpieces; a finding for each that does not fit into memory or cannot be read."""
+def with_stock(shop: Shop, left: Mapping[str, Path] | None = None) -> tuple[Shop, list[Diagnostic]]:
+    """The shop with its workpieces; a finding for each that does not fit into memory or cannot be read.
+
+    `left` are files with the stocks of the cell as the first part of the program has left them.
+    """
+    left = left or {}
     stocks: dict[str, PlacedStock] = {}
     stands: dict[str, Stand] = {}
     findings = [*_undrawn(shop), *_idle_on_lathe(shop)]
     fresh: dict[str, Stock] = {}
     for name, spec in shop.cell.stocks.items():
-        made = _stock(shop, name, spec)
+        made = _left(shop, name, left[name], name) if name in left else _stock(shop, name, spec)
         if isinstance(made, Diagnostic):
             findings.append(made)
         else:
             fresh[name] = made
-    findings += [*_fitted(shop, fresh), *_apart(shop)]
+    findings += [*(_fitted(shop, fresh) if not left else ()), *_apart(shop)]
     for name, made in fresh.items():
         spec = shop.cell.stocks[name]
         material = shop.cell.material(spec)
@@ -586,22 +591,28 @@ def _material_named(cell: Cell, name: str) -> Material | None:
     return cell.materials.get(name) or LIBRARY.get(name)
 
 
+def _left(shop: Shop, name: str, path: Path, said: str) -> Stock | Diagnostic:
+    """The stock that an earlier run left in a file; `said` is how the cell calls where that is."""
+    from gcodesim.material.stock_file import StockFileError, load_stock
+
+    try:
+        return load_stock(path)
+    except (OSError, StockFileError) as fault:  # it was there when the cell was read
+        return Diagnostic(
+            code="GS410",
+            span=shop.cell.span("stock", name, "from"),
+            message=no_stock(said, path.name, fault),
+            hint=NOTHING_LEFT,
+        )
+
+
 def _stock(shop: Shop, name: str, spec: StockSpec) -> Stock | Diagnostic:
     from gcodesim.material.stock import Stock, finest_resolution, memory_needed
-    from gcodesim.material.stock_file import StockFileError, load_stock
 
     span = shop.cell.span("stock", name, "resolution")
     shape = spec.shape
     if isinstance(shape, Leftover):
-        try:
-            return load_stock(shape.path)
-        except (OSError, StockFileError) as fault:  # it was there when the cell was read
-            return Diagnostic(
-                code="GS410",
-                span=shop.cell.span("stock", name, "from"),
-                message=no_stock(shape.name, shape.path.name, fault),
-                hint=NOTHING_LEFT,
-            )
+        return _left(shop, name, shape.path, shape.name)
     if shop.mover.lathe:
         return _revolved(shop, name, spec)
     lower, upper = bounds_of(shape)

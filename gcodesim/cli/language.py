@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import argparse
+import hashlib
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from datetime import date
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 from gcodesim.cli.exits import UsageError
 from gcodesim.cli.nearest import no_such
@@ -123,6 +124,17 @@ def files_of(
 
     given = [path for path in (arguments.tools, arguments.parameters) if path is not None]
     return {path.name: path for path in given} | files_read(program, names, folders, loaded)
+
+
+_READING: Final = ("dialect", "block_delete", "decimal_point", "max_blocks", "time_limit", "presets")
+
+
+def said_of_reading(arguments: argparse.Namespace) -> str:
+    """All that the options of a command line say of reading, files by their content: equal where they say the same."""
+    said = {name: getattr(arguments, name) for name in _READING}
+    files = [path for path in (arguments.tools, arguments.parameters) if path is not None]
+    digests = [hashlib.sha256(path.read_bytes()).hexdigest() for path in files]
+    return repr((said, [str(folder) for folder in arguments.subs], digests))
 
 
 def write_parameters(run: Run | None, arguments: argparse.Namespace) -> None:

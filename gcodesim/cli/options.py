@@ -206,6 +206,16 @@ def _dialects() -> list[str]:
     return list(DIALECTS)
 
 
+def add_from_line(parser: argparse.ArgumentParser, *, required: bool, says: str) -> None:
+    parser.add_argument("--from-line", type=_line, required=required, metavar="N", help=says)
+
+
+def _line(text: str) -> int:
+    if not (text.isascii() and text.isdigit() and int(text) > 0):
+        raise argparse.ArgumentTypeError(f"'{text}' is no line number; the first line is 1")
+    return int(text)
+
+
 def add_parameter_output(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--write-parameters",

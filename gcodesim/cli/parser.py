@@ -17,6 +17,7 @@ COMMANDS = (
     "fmt",
     "cell",
     "place",
+    "restart",
     "init",
     "import_",
     "info",

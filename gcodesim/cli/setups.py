@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import hashlib
 import json
 import os
 import time
@@ -18,7 +17,7 @@ from gcodesim.cli.exits import UsageError
 from gcodesim.cli.formats import write_formats
 from gcodesim.cli.interrupts import interrupted_by
 from gcodesim.cli.judging import Met, settle
-from gcodesim.cli.language import files_of
+from gcodesim.cli.language import files_of, said_of_reading
 from gcodesim.cli.options import read_source
 from gcodesim.cli.output import print_count, print_findings, print_json, print_table
 from gcodesim.cli.simulate import (
@@ -42,13 +41,12 @@ from gcodesim.setups.setup_file import JobFile, folders_of_job, read_job_file
 if TYPE_CHECKING:
     from gcodesim.executor import Progress
 
-_READING = ("dialect", "block_delete", "decimal_point", "max_blocks", "time_limit", "presets")
 
 
 def run_job(arguments: argparse.Namespace) -> int:
     """`gcodesim run JOB`."""
     begin = time.perf_counter()
-    _refuse(arguments, ("live", "gui", "write_parameters"))
+    _refuse(arguments, ("live", "gui", "write_parameters", "from_line"))
     refuse_early(arguments)
     job = _job(arguments, arguments.program)
     if job.setups is None:
@@ -105,21 +103,15 @@ def _job(arguments: argparse.Namespace, path: Path) -> JobFile:
 
 
 def _how(job: JobFile, arguments: argparse.Namespace, progress: Any, out: Path | None = None) -> How:
-    said = {name: getattr(arguments, name) for name in _READING}
-    files = [path for path in (arguments.tools, arguments.parameters) if path is not None]
     return How(
         options=options_of(arguments),
         out=out,
         only_check=out is None,
         allow_paths=(*folders_of_job(job.path), *arguments.allow_path),
         allow_code=arguments.allow_code,
-        said=repr((said, [str(folder) for folder in arguments.subs], [_digest(path) for path in files])),
+        said=said_of_reading(arguments),
         progress=progress,
     )
-
-
-def _digest(path: Path) -> str:
-    return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
 @contextmanager

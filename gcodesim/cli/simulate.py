@@ -82,10 +82,15 @@ def options_of(arguments: argparse.Namespace) -> Options:
     )
 
 
-def _prepared(arguments: argparse.Namespace, program: SourceText, loaded: LoadedCell) -> Job:
+def _prepared(
+    arguments: argparse.Namespace, program: SourceText, loaded: LoadedCell, options: Options | None = None
+) -> Job:
     compiled.when_cold = announce_compiling
-    options = replace(options_of(arguments), channels=_further(arguments, loaded))
-    return prepare(program, loaded, options)
+    return prepare(program, loaded, options or _options(arguments, loaded))
+
+
+def _options(arguments: argparse.Namespace, loaded: LoadedCell) -> Options:
+    return replace(options_of(arguments), channels=_further(arguments, loaded))
 
 
 def _met(arguments: argparse.Namespace, path: Path, loaded: LoadedCell, job: Job, results: Results) -> Met:
@@ -195,16 +200,14 @@ def refuse_early(arguments: argparse.Namespace) -> None:
         )
 
 
-def _run_program(
-    arguments: argparse.Namespace, live: LiveView | None, window: ShownRun | None, begin: float
-) -> int:
+def _run_program(arguments: argparse.Namespace, live: LiveView | None, window: ShownRun | None, begin: float) -> int:
     from gcodesim.world import WorldUnavailable
 
     refuse_early(arguments)
     with RunBar() as bar:
         program = read_source(arguments.program, "program")
         loaded = _loaded(arguments, program)
-        job = _prepared(arguments, program, loaded)
+        options, path = _options(arguments, loaded), arguments.program
         with RunStop() as stop:
 
             def progress(now: Progress) -> None:
@@ -214,6 +217,14 @@ def _run_program(
             results: Results
             execution: Execution | None
             try:
+                if arguments.from_line not in (None, 1):
+                    from gcodesim.cli.taking_up import taken_up, tell_refusal
+
+                    taken = taken_up(arguments, program, loaded, options, progress)
+                    if taken.program is None:
+                        return tell_refusal(arguments, taken)
+                    program, options, path = taken.program, taken.options, arguments.out / taken.program.name
+                job = _prepared(arguments, program, loaded, options)
                 results, execution = run(job, arguments.out, progress, live, window)
             except RunInterrupted as ended:
                 results, execution = ended.results, ended.execution
@@ -224,15 +235,14 @@ def _run_program(
     interrupted = execution is not None and execution.interrupted
     if interrupted:
         arguments.write_baseline = None  # the findings of a partial run are no basis for a baseline
-    settled = settle([_met(arguments, arguments.program, loaded, job, results)], arguments)
+    settled = settle([_met(arguments, path, loaded, job, results)], arguments)
     if arguments.format == "json":
         print_json(results.as_json())
     elif arguments.format == "text":
-        print_run(
-            settled.shown[0], results, settled.remarks, simulated=execution is not None, interrupted=interrupted
-        )
+        print_run(settled.shown[0], results, settled.remarks, simulated=execution is not None, interrupted=interrupted)
         if execution is not None:
-            _print_files(arguments.out, results, [CELL_NAME] if loaded.made else [])
+            others = [*([CELL_NAME] if loaded.made else []), *([path.name] if path != arguments.program else [])]
+            _print_files(arguments.out, results, others)
     write_formats(settled.verdict, arguments)
     if window is not None and not interrupted and sys.stdin.isatty():
         note("close the window to go on; a click on a body says what it is")

@@ -136,15 +136,24 @@ def overwriting(out: Path, names: Sequence[str], inputs: Iterable[Path], span: S
         for path in (out / name, out / f"{name}.part"):
             reason = _reason(path, _kind_of(name), inputs)
             if reason:
-                found.append(
-                    Diagnostic(
-                        code=OVERWRITES,
-                        span=span,
-                        message=f"the run would overwrite `{path.name}` in the output folder, which {reason}",
-                        hint="give the run a folder of its own: `--out DIR`; or overwrite it: `--force`",
-                    )
-                )
+                found.append(_overwritten(path, reason, span))
     return found
+
+
+def overwriting_text(path: Path, mark: bytes, span: Span) -> list[Diagnostic]:
+    """GS750 if `path` is there and is no text that gcodesim wrote: those have `mark` in them."""
+    if not os.path.lexists(path) or (path.is_file() and mark in path.read_bytes()):
+        return []
+    return [_overwritten(path, "gcodesim did not write", span)]
+
+
+def _overwritten(path: Path, reason: str, span: Span) -> Diagnostic:
+    return Diagnostic(
+        code=OVERWRITES,
+        span=span,
+        message=f"the run would overwrite `{path.name}` in the output folder, which {reason}",
+        hint="give the run a folder of its own: `--out DIR`; or overwrite it: `--force`",
+    )
 
 
 def other_cell(out: Path, cell: bytes, span: Span) -> list[Diagnostic]:

@@ -65,6 +65,8 @@ def _results() -> Json:
             gcodesim=text("version"),
             seed=nullable(whole("of the cell")),
             world=text("kinematic or bullet"),
+            only=choice("what the run was about, if not all (`run --only`)", "shape", "motion", "force"),
+            from_line=whole("line at which the program was taken up (`run --from-line`)"),
             program=hashed,
             cell=hashed,
             files=array("subprograms, meshes, tables", hashed),
@@ -215,6 +217,8 @@ def _results() -> Json:
     stock["required"] = stock["required"][: stock["required"].index("doses")]
     at_times = ("probings", "sensors", "printing", "coating", "target", "path_accuracy", "parts")
     results["required"] = [name for name in results["required"] if name not in at_times]
+    inputs = results["properties"]["inputs"]
+    inputs["required"] = [name for name in inputs["required"] if name not in ("only", "from_line")]
     return results
 
 

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import date
 from importlib.util import find_spec
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, Protocol
 
 from gcodesim.canon import Event
@@ -37,7 +38,8 @@ class Options:
 
     `findings` and `sources` are those of further files that the command line names. `force` lets a run overwrite inputs
     and files of others in its output folder. `channels` are the programs of further channels, by name. `only`: what
-    the run is about, if not all; the rest is left out.
+    the run is about, if not all; the rest is left out. `from_line`: the program takes up another one there, with the
+    stocks in the files `left`.
     """
 
     world: str | None = None
@@ -49,6 +51,8 @@ class Options:
     force: bool = False
     channels: Mapping[str, SourceText] = field(default_factory=dict)
     only: Only | None = None
+    from_line: int | None = None
+    left: Mapping[str, Path] = field(default_factory=dict)
 
 
 class Onward(Protocol):

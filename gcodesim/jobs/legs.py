@@ -113,7 +113,7 @@ class Legs:
     def stock_up(self) -> bool:
         """Load the stocks; False if a fault in one of them, which is reported, keeps the job from running."""
         if self._stocked is None:
-            self._job.shop, problems = with_stock(self.shop)
+            self._job.shop, problems = with_stock(self.shop, self._job.options.left)
             self._job.findings.extend(problems)
             self._stocked = not any(problem.level >= Severity.ERROR for problem in problems)
         return self._stocked

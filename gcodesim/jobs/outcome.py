@@ -64,6 +64,7 @@ def inputs_of(job: Job) -> dict[str, Any]:
         "seed": simulation.seed if simulation is not None else None,
         "world": job.world,
         **({} if job.options.only is None else {"only": job.options.only}),
+        **({} if job.options.from_line is None else {"from_line": job.options.from_line}),
         "program": {"name": job.program.name, "sha256": job.program.sha256},
         "cell": {"name": own.name, "sha256": own.sha256},
         "files": [

@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from gcodesim.rs274.compensation import CornerRule
     from gcodesim.rs274.words import Words
 
+_SAME_LENGTH = 1e-9  # [m]
 _PATH_MODES: dict[int, str] = {610: "exact_path", 611: "exact_stop", 640: "blend"}
 
 
@@ -78,10 +79,19 @@ class Control:
     def _memory(self) -> Parameters:
         return Parameters(self._read_only, self._predefined)
 
+    def fresh(self) -> Control:
+        """Another one of the kind, as before the first block."""
+        return type(self)(self.settings, self.dialect)
+
     def situation(self) -> tuple[object, ...]:
         """All that it knows besides parameters, as a copy."""
         said = (self.returned, self.value_returned, self.spindle_tool)
         return (self.state.copy(), said, dict(self.tools))
+
+    @property
+    def has_figure(self) -> bool:
+        """Whether a figure of the control (`Dialect.figures`) turns, tilts, scales or mirrors what the program says."""
+        return self.lean is not None
 
     # -- frames
 
@@ -149,6 +159,13 @@ class Control:
         if not self.settings.length_leans or self.lean is None:
             return offset
         return (*self.leant(offset[:3]), *offset[3:])
+
+    def length_number(self) -> int | None:
+        """The H that brings the length offset in force: that of the tool in the spindle if it does; None: none."""
+        wanted = self.state.tool_offset
+        near = _SAME_LENGTH / self.state.unit
+        known = [n for n, entry in self.tools.items() if math.dist(self.from_si(entry.offset), wanted) < near]
+        return self.state.tool if self.state.tool in known else known[0] if known else None
 
     def stay_at(self, axes: Vector) -> None:
         """After a change of frames: the axes did not move, so the current point reads differently."""

@@ -35,6 +35,11 @@ class Frame:
     saved_g92: bool = False  # whether G92 was in force then
     restores: bool = False  # M73
 
+    @property
+    def calls_at_moves(self) -> bool:
+        """Whether each move calls a macro (G66 of Fanuc)."""
+        return False
+
     def situation(self) -> tuple[object, ...]:
         """What of it decides how the program goes on, as a copy."""
         file = (id(self.file), self.at, self.name, self.first, self.by_m98, self.rounds)

@@ -12,6 +12,7 @@ if TYPE_CHECKING:
 _NOTE = re.compile(r"\([^)]*\)?|;.*")
 RETURNS = re.compile(r"M\s*0*99(?![0-9])", re.IGNORECASE)
 _OPENS, _CLOSES = frozenset(("if", "repeat", "do")), frozenset(("endif", "endrepeat", "endwhile"))
+_BEGINS, _ENDS = _OPENS | {"while", "sub"}, _CLOSES | {"endsub"}
 _CLOSED_BY = {"if": "endif", "while": "endwhile", "repeat": "endrepeat", "do": "while"}
 
 
@@ -52,6 +53,21 @@ class Outline:
                 continue
             if self.file.find_flow(flow.at, flow.label, frozenset((closes,))) is None:
                 yield flow, closes
+
+    def open_at(self, end: int) -> list[FlowLine]:
+        """The subroutine, branches and loops that line `end` is inside of, the outermost first."""
+        found: list[FlowLine] = []
+        for flow in self.file.flows:
+            if flow.at >= end:
+                break
+            if flow.keyword in _ENDS:
+                while found and found.pop().label != flow.label:
+                    pass
+            elif flow.keyword == "while" and found and (found[-1].keyword, found[-1].label) == ("do", flow.label):
+                found.pop()
+            elif flow.keyword in _BEGINS:
+                found.append(flow)
+        return found
 
     def behind(self, end: int) -> Iterator[int]:
         """Indices of the lines behind line `end` that nothing leads to."""

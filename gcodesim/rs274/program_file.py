@@ -6,7 +6,7 @@ import re
 from bisect import bisect_right
 from collections.abc import Sequence
 from functools import cached_property
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 from gcodesim.diagnostics import SourceText
 from gcodesim.rs274.block import Block
@@ -103,6 +103,10 @@ class ProgramFile:
         """Lines that have N numbers of their own: those of each program of the file."""
         return [range(len(self.lines))]
 
+    def of(self, source: SourceText) -> Self:
+        """A file of the same control with another text."""
+        return type(self)(source, self._reader)
+
     @property
     def outline(self) -> Outline:
         """Its subroutines, and what no block leads to."""
@@ -141,6 +145,18 @@ class ProgramFile:
             if flow.keyword in keywords:
                 return flow
         return None
+
+    def heads_before(self, end: int) -> set[int]:
+        """Indices of lines before line `end` that execute nothing: up to the first `%`, and subroutines."""
+        found = set(range(self.first))
+        begun: FlowLine | None = None
+        for flow in self.flows:
+            if flow.keyword == "sub" and begun is None:
+                begun = flow
+            elif flow.keyword == "endsub" and begun is not None and flow.label == begun.label:
+                found |= set(range(begun.at, flow.at + 1))
+                begun = None
+        return {index for index in found if index < end}
 
     @cached_property
     def _flows_by_label(self) -> dict[str, list[FlowLine]]:

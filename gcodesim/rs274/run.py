@@ -18,6 +18,7 @@ from gcodesim.rs274.dialects import DIALECTS, Dialect
 from gcodesim.rs274.dialects.foreign import FOREIGN
 from gcodesim.rs274.dialects.linuxcnc import STOPPING
 from gcodesim.rs274.endless import Endless
+from gcodesim.rs274.entry.halted import Halted
 from gcodesim.rs274.execute import execute, execute_move, is_plain_move
 from gcodesim.rs274.expressions import checked, names_in
 from gcodesim.rs274.fault import Fault
@@ -67,6 +68,7 @@ class Run:
         self.findings = Findings()
         self.failed: Diagnostic | None = None
         self.failed_line: int | None = None  # where a control would stand; a finding may name an earlier line
+        self.halted: Halted | None = None  # where `Settings.until` ended it
         self.sources: dict[str, SourceText] = {source.name: source}
         self.not_simulated: dict[str, tuple[int, Span]] = {}
         self.parameters: dict[int, float] = dict(settings.parameters)
@@ -205,6 +207,9 @@ class Executor:
                     if self._exhausted(*last):
                         break
                     continue
+            if index + 1 == self.settings.until and frame.file is self.file:
+                self.run.halted = Halted(control=control, file=self.file, frames=tuple(flow.frames))
+                break
             frame.at = index + 1
             text = frame.file.lines[index]
             closing = self.file.has_percent or self.recovery.ended

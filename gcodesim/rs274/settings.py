@@ -54,6 +54,7 @@ class Settings:
     Both give the same result.
     `max_blocks` and `time_limit` [s] end an endless program; without the first, the
     dialect and the program's length say how much is too much.
+    `until` is a line of the program before which reading ends, when it is reached for the first time (`Run.halted`).
     """
 
     dialect: str = "linuxcnc"
@@ -84,6 +85,7 @@ class Settings:
     lane: Literal["auto", "grammar", "compiled"] = "auto"
     max_blocks: int | None = None
     time_limit: float | None = None
+    until: int | None = None
 
 
 def canonical_m_code(text: str) -> str:

@@ -8,7 +8,15 @@ from typing import Any
 
 from gcodesim.cli.formats import add_verdict_formats
 from gcodesim.cli.judging import add_baseline, add_today
-from gcodesim.cli.options import add_cell, add_channels, add_fail_on, add_language, add_parameter_output, add_program
+from gcodesim.cli.options import (
+    add_cell,
+    add_channels,
+    add_fail_on,
+    add_from_line,
+    add_language,
+    add_parameter_output,
+    add_program,
+)
 
 PORT = 8765
 """Where viewers look first."""
@@ -56,6 +64,12 @@ def add_parser(commands: Any) -> None:
         "--gui",
         action="store_true",
         help="show the run in pybullet's own window; a click on a body prints its name, frame and cell line",
+    )
+    add_from_line(
+        parser,
+        required=False,
+        says="take the program up at line N, with the stock as the lines before leave it, behind a preamble that DIR "
+        "gets as `restart`",
     )
     add_language(parser)
     add_parameter_output(parser)

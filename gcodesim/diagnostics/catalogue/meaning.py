@@ -247,6 +247,24 @@ CODES: tuple[Code, ...] = (
         remedy="Write the move behind the corner into the next block, or make the corner smaller.",
     ),
     Code(
+        code="GS148",
+        severity=Severity.ERROR,
+        title="No place to take a program up",
+        what="A run or a file was asked for from this line on, and the control cannot be brought into the state that "
+        "it has there: the line is inside a loop, a branch, a subroutine, a chain of cycles or arcs, cutter "
+        "compensation, or a turned or tilted plane; or the program never comes to it.",
+        why="A preamble sets modes, tool and place. What a control remembers of a loop or a contour it cannot set.",
+        remedy="Begin at an earlier line that moves at rapid, best where the tool was changed; the hint names one.",
+    ),
+    Code(
+        code="GS149",
+        severity=Severity.WARNING,
+        title="Not repeated when the program is taken up",
+        what="The lines before have switched something, gripped parts or laid a film, which the preamble does not do.",
+        why="What an M-code of the cell means is known to its builder alone, so nobody can say that it may come twice.",
+        remedy="Bring clamps, grippers and the like into the state that the program expects there.",
+    ),
+    Code(
         code="GS150",
         severity=Severity.ERROR,
         title="Refused in cutter compensation",

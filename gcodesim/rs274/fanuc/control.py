@@ -98,6 +98,15 @@ class FanucControl(Control):
     def _memory(self) -> Variables:
         return Variables(self)
 
+    @property
+    def has_figure(self) -> bool:
+        state = self.state
+        turned = state.turn is not None or state.tilt is not None or state.fixture != 0 or state.polar is not None
+        return turned or state.scale != (1.0, 1.0, 1.0) or state.mirror != (None, None, None) or super().has_figure
+
+    def length_number(self) -> int | None:
+        return self.state.length_number or None
+
     # -- frames
 
     def base(self) -> Vector:

@@ -46,6 +46,10 @@ class FanucFrame(Frame):
     calls: list[ModalCall] = field(default_factory=list)
     jumps_in: dict[int, Span] = field(default_factory=dict)  # the GOTO that led behind a line of DO
 
+    @property
+    def calls_at_moves(self) -> bool:
+        return bool(self.calls)
+
     def situation(self) -> tuple[object, ...]:
         own = (self.part, self.macro, dict(self.macro_arguments), dict(self.outer), set(self.begun), list(self.calls))
         return (*Frame.situation(self), *own)

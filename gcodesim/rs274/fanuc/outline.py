@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 
 from gcodesim.rs274.fanuc.names import called_name, number_of_name
 from gcodesim.rs274.outline import RETURNS, Outline, bare
+from gcodesim.rs274.program_file import FlowLine
 
 if TYPE_CHECKING:
     from gcodesim.rs274.fanuc.program import FanucFile
-    from gcodesim.rs274.program_file import FlowLine
 
 _CALLS = re.compile(r"(?:M\s*0*98|G\s*0*6[56](?:\s*\.\s*1)?)(?![0-9.])", re.IGNORECASE)
 _NUMBER = re.compile(r"P\s*(?:([0-9]{1,15})|[#\[<])", re.IGNORECASE)
@@ -50,6 +50,17 @@ class FanucOutline(Outline):
 
     def unclosed(self) -> Iterator[tuple[FlowLine, str]]:
         yield from ()  # a DO without END is a fault where it stands
+
+    def open_at(self, end: int) -> list[FlowLine]:
+        part = self.file.part_at(end)
+        found: list[FlowLine] = []
+        for index in range(part.first, end):
+            for word in _LOOP.findall(bare(self.file.lines[index])):
+                if word.upper() == "DO":
+                    found.append(FlowLine(index, "", "DO"))
+                elif found:
+                    found.pop()
+        return found
 
     def behind(self, end: int) -> Iterator[int]:
         part = self.file.part_at(end)

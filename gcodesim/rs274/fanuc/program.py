@@ -206,6 +206,10 @@ class FanucFile(ProgramFile):
         name = self.names.get(number)
         return f"O{number:04d}" if name is None else f"<{name}>"
 
+    def heads_before(self, end: int) -> set[int]:
+        part = self.part_at(end)
+        return {*range(part.first), *((part.first,) if part.number is not None else ())}
+
     def _head(self, index: int) -> int | None:
         """The number of the program that a line opens."""
         match = _PROGRAM.match(self.lines[index])
