@@ -30,9 +30,10 @@ ARC, AT_R, AT_Z, KAPPA, KAPPA_END, LENGTH, FOOT, HEAD = 0, 1, 2, 3, 4, 5, 6, 7
 
 # Columns of `Room.rows`: radius and height of a row in its middle, kappa there, width, lowest and highest place,
 # largest radius. Nearly all rows touch material at few angles, so each keeps the range of those; nothing else is worked
-# on.
+# on. Then what the limits of contact within an angle add to the sums of sines and cosines, and that times height [m].
 RADIUS, HEIGHT, SIN_KAPPA, COS_KAPPA, EDGE_WIDTH, LOW, HIGH, OUTER, FROM, TO = 0, 1, 2, 3, 4, 5, 6, 7, 8, 9
-COLUMNS = 10
+MORE_SINES, MORE_COSINES, LEVER_SINES, LEVER_COSINES = 10, 11, 12, 13
+COLUMNS = 14
 
 # An edge that moves into material at less than this share of its speed slides on it without cutting, as the flat bottom
 # of an end mill in a horizontal cut, whose commanded height is never exactly constant.
@@ -82,6 +83,12 @@ def lay_rows(pieces: Array, piece: int, height: float, cell: float, rows: Array)
             rows[i, LOW] = pieces[piece, AT_Z] - radius * cos(a)
             rows[i, HIGH] = pieces[piece, AT_Z] - radius * cos(a + step)
             rows[i, OUTER] = pieces[piece, AT_R] + radius * max(sin(a), sin(a + step))  # undercut: the lower end
+            rows[i, MORE_SINES], rows[i, MORE_COSINES], rows[i, LEVER_SINES], rows[i, LEVER_COSINES] = (
+                0.0,
+                0.0,
+                0.0,
+                0.0,
+            )
         return SLICES
     sine, cosine = sin(kappa0), cos(kappa0)
     if z1 > height:
@@ -97,6 +104,7 @@ def lay_rows(pieces: Array, piece: int, height: float, cell: float, rows: Array)
         rows[i, EDGE_WIDTH] = step
         rows[i, LOW], rows[i, HIGH] = z0 + i * step * sine, z0 + (i + 1) * step * sine
         rows[i, OUTER] = rows[i, RADIUS] + 0.5 * step * abs(cosine)
+        rows[i, MORE_SINES], rows[i, MORE_COSINES], rows[i, LEVER_SINES], rows[i, LEVER_COSINES] = 0.0, 0.0, 0.0, 0.0
     return number
 
 

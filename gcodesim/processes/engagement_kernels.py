@@ -34,6 +34,7 @@ from gcodesim.processes.edge_kernels import (
     ANGLES,
     COS_KAPPA,
     FROM,
+    HEIGHT,
     HIGH,
     LEAST_ADVANCE,
     LOW,
@@ -50,7 +51,9 @@ from gcodesim.processes.edge_kernels import (
     turned,
 )
 from gcodesim.processes.seam_kernels import (
-    SEAMS,
+    DROP,
+    LEVER,
+    LIMIT,
     Seams,
     Steps,
     crossing,
@@ -65,14 +68,17 @@ from gcodesim.processes.seam_kernels import (
 
 Array = NDArray[np.float64]
 
+NOWHERE = -1  # there is no contact
+
 
 class Room(NamedTuple):
     """Room to work in, made once for each cutter.
 
     rows (n, COLUMNS) of the edge; of each the share of it that is in material, weights (n, ANGLES), and the
     force (4, n, ANGLES) on one tooth along u, l, z [N] and its torque [N·m], within FROM..TO; sums (SUMS, ANGLES)
-    over rows; unit (3, ANGLES): force per width; line, share and places (ANGLES,): what is asked of the stock; turning
-    (4, 3 ANGLES + 1): force and torque of one tooth over its angle at the tip, twice, then those of all teeth; seams.
+    over rows; unit (4, ANGLES): force per width along u, l, z and the cut; line, share and places (ANGLES,): what is
+    asked of the stock; turning (4, 3 ANGLES + 1): force and torque of one tooth over its angle at the tip, twice, then
+    those of all teeth; seams.
     """
 
     rows: Array
@@ -159,10 +165,11 @@ def leave_advancing(sines: Array, level: float, sin_kappa: float, fall: float, l
 @kernel(lean=True, inlined=True)
 def contact_of_rows(
     field: Field, circle: Circle, tip: Array, heading: Heading, room: Room, first: int, number: int, last: int
-) -> bool:
+) -> int:
     """Fill weights[first:first + number, :last]: share of each element in material at each angle at which it advances.
 
-    0 where it does not advance. Returns whether there is any, and keeps the range of those angles in each row.
+    0 where it does not advance. Returns the number of seams, or NOWHERE if there is no contact, and keeps the range of
+    those angles in each row.
 
     An element is asked where it will be a way d further along the feed; falling, half a cell more is asked for
     below, so that contact grows gradually.
@@ -196,23 +203,20 @@ def contact_of_rows(
         left = mark_steps(sines, level, sin_kappa, fall, line, known, steps)
         rows[i, FROM], rows[i, TO] = reach_of(known, steps)
         if left > 0:
-            if waiting + left > SEAMS:
-                settle_seams(field, tip, heading, clearance, rows, waiting, room.seams, weights)
-                waiting = 0
             waiting = note_seams(
                 circle, tip, heading, clearance, rows, i, Steps(known, steps), left, room.seams, waiting
             )
         found = found or rows[i, TO] > rows[i, FROM]
     if waiting > 0:
         settle_seams(field, tip, heading, clearance, rows, waiting, room.seams, weights)
-    return found
+    return waiting if found else NOWHERE
 
 
 @kernel(lean=True, inlined=True)
 def contact_of_cylinder(
     field: Field, circle: Circle, tip: Array, heading: Heading, room: Room, first: int, number: int
-) -> bool:
-    """The same for all rows of a cylinder at once, first..first+number: they stand above each other."""
+) -> int:
+    """The same for all rows of a cylinder at once, first..first+number: they stand above each other and share seams."""
     ux, uy, level, climb = heading
     _, ahead, aside = clearance_of(field, heading)
     half = ANGLES // 2
@@ -246,7 +250,7 @@ def contact_of_cylinder(
         if total > 0.0:
             begin = min(begin, k)
             end = k + 1
-    done = 1
+    done, seams, numbers = 1, 0, room.seams.numbers
     for k in range(1, half):
         earlier, total = share[k - 1], share[k]
         if k < done or earlier < 0.0 or total < 0.0 or abs(total - earlier) <= 0.5 * max(total, earlier):
@@ -266,10 +270,15 @@ def contact_of_cylinder(
             else:
                 least, low = middle, between
         limit = after - 0.5 + crossing(least, most, low, high, middle_share)
+        drop, lever = 0.0, 0.0
         for i in range(first, first + number):
-            set_limit(weights, i, from_k, to_k, limit)
+            own = set_limit(weights, i, from_k, to_k, limit)
+            drop += own
+            lever += own * rows[i, HEIGHT]
+        numbers[LIMIT, seams], numbers[DROP, seams], numbers[LEVER, seams] = limit, drop, lever
+        seams += 1
         begin, end, done = min(begin, from_k), max(end, to_k + 1), to_k + 1
     weights[first : first + number, half:] = 0.0
     rows[first : first + number, FROM] = begin
     rows[first : first + number, TO] = end
-    return end > begin
+    return seams if end > begin else NOWHERE

@@ -25,7 +25,11 @@ from gcodesim.processes.edge_kernels import (
     HEIGHT,
     HIGH,
     LEAST_ADVANCE,
+    LEVER_COSINES,
+    LEVER_SINES,
     LOW,
+    MORE_COSINES,
+    MORE_SINES,
     RADIUS,
     SIN_KAPPA,
     STEEPEST,
@@ -34,12 +38,14 @@ from gcodesim.processes.edge_kernels import (
     Circle,
     Heading,
     lay_rows,
+    turned,
 )
-from gcodesim.processes.engagement_kernels import Room, contact_of_cylinder, contact_of_rows
+from gcodesim.processes.engagement_kernels import NOWHERE, Room, contact_of_cylinder, contact_of_rows
+from gcodesim.processes.law_kernels import COSINE, GROWN, GROWN_COSINE, GROWN_SINE, SINE, TABLE, power_at
+from gcodesim.processes.seam_kernels import DROP, LEVER, LIMIT, ROW
 
 Array = NDArray[np.float64]
 
-TABLE = 1025  # points of x**p on 0..1
 LEAST_SHARE = 0.05  # of a row in material, from which on an angle counts as one of contact
 
 # The result of `cutting_force`: wrench about the tip in S (6), torque, greatest chip thickness, axial depth, radial
@@ -54,14 +60,21 @@ SUMS = 10
 
 TANGENTIAL, NORMAL, AXIAL = 0, 1, 2  # components of a law
 
+# Rows of `Room.unit`
+UNIT_U, UNIT_L, UNIT_Z, UNIT_TURN = 0, 1, 2, 3
+
 
 class ForceLaw(NamedTuple):
-    """Force per width of an edge, factor h**exponent + rub, each (3,); powers (3, TABLE): see `power_table`."""
+    """Force per width of an edge, factor h**exponent + rub, each (3,).
+
+    powers (3, TABLE) and means (MEANS, ANGLES): see `fill_tables`.
+    """
 
     factor: Array
     exponent: Array
     rub: Array
     powers: Array
+    means: Array
 
 
 class Teeth(NamedTuple):
@@ -74,21 +87,6 @@ class Teeth(NamedTuple):
     pieces: Array  # (k, 8) outline, see `Cutter.edge`
     law: ForceLaw
     circle: Circle
-
-
-@kernel(lean=True)
-def power_table(exponent: Array, table: Array) -> None:
-    """Fill `table` (3, TABLE) with x**p on 0..1 for each exponent, because a power costs more than all the rest."""
-    for component in range(3):
-        for i in range(table.shape[1]):
-            table[component, i] = power(i / (table.shape[1] - 1.0), exponent[component])
-
-
-@kernel(lean=True)
-def power_at(table: Array, component: int, left: int, part: float) -> float:
-    """Value between point `left` of `table` and the next, `part` of the way."""
-    value: float = (1.0 - part) * table[component, left] + part * table[component, left + 1]
-    return value
 
 
 class Scale(NamedTuple):
@@ -105,33 +103,84 @@ def scale_of(law: ForceLaw, component: int, chip: float) -> float:
     return float(law.factor[component] * power(chip, law.exponent[component])) if chip > 0.0 else 0.0
 
 
+@kernel(lean=True, inlined=True)
+def slope_power(law: ForceLaw, component: int, slope: float) -> float:
+    """slope**exponent of one component, for a slope in 0..1."""
+    if slope == 1.0 or law.exponent[component] == 1.0:
+        return slope
+    place = slope * (TABLE - 1)
+    left = min(int(place), TABLE - 2)
+    return power_at(law.powers, component, left, place - left)
+
+
 @kernel(lean=True)
-def unit_forces(
+def level_forces(
+    law: ForceLaw, level: float, scale: Scale, sin_kappa: float, cos_kappa: float, begin: int, end: int, unit: Array
+) -> None:
+    """Fill unit[:, begin:end] with force per width [N/m] along u, l, z and the cut where nothing rises or falls.
+
+    These are exact means over each angle: chips are level sin(kappa) sin(phi) thick there.
+    """
+    means, rub, exponent, slope = law.means[:, begin:end], law.rub, law.exponent, level * sin_kappa
+    t = scale.tangential * slope_power(law, TANGENTIAL, slope)
+    n = scale.normal * slope_power(law, NORMAL, slope)
+    a = scale.axial * slope_power(law, AXIAL, slope)
+    n_in, a_in, n_up, a_up = n * sin_kappa, a * cos_kappa, n * cos_kappa, a * sin_kappa
+    rub_t, rub_in = rub[TANGENTIAL], rub[NORMAL] * sin_kappa + rub[AXIAL] * cos_kappa
+    rub_up = rub[NORMAL] * cos_kappa - rub[AXIAL] * sin_kappa
+    unit_u, unit_l = unit[UNIT_U, begin:end], unit[UNIT_L, begin:end]
+    unit_z, unit_turn = unit[UNIT_Z, begin:end], unit[UNIT_TURN, begin:end]
+    sines, cosines = means[SINE], means[COSINE]
+    t_1, t_s, t_c = means[GROWN], means[GROWN_SINE], means[GROWN_COSINE]
+    if exponent[TANGENTIAL] == exponent[NORMAL] and exponent[TANGENTIAL] == exponent[AXIAL]:
+        inward, up = n_in + a_in, n_up - a_up
+        for k in range(sines.shape[0]):
+            unit_u[k] = -(t * t_c[k] + rub_t * cosines[k]) - (inward * t_s[k] + rub_in * sines[k])
+            unit_l[k] = t * t_s[k] + rub_t * sines[k] - (inward * t_c[k] + rub_in * cosines[k])
+            unit_z[k] = up * t_1[k] + rub_up
+            unit_turn[k] = t * t_1[k] + rub_t
+        return
+    n_1, n_s, n_c = means[3 * NORMAL + GROWN], means[3 * NORMAL + GROWN_SINE], means[3 * NORMAL + GROWN_COSINE]
+    a_1, a_s, a_c = means[3 * AXIAL + GROWN], means[3 * AXIAL + GROWN_SINE], means[3 * AXIAL + GROWN_COSINE]
+    for k in range(sines.shape[0]):
+        unit_u[k] = -(t * t_c[k] + rub_t * cosines[k]) - (n_in * n_s[k] + a_in * a_s[k] + rub_in * sines[k])
+        unit_l[k] = t * t_s[k] + rub_t * sines[k] - (n_in * n_c[k] + a_in * a_c[k] + rub_in * cosines[k])
+        unit_z[k] = n_up * n_1[k] - a_up * a_1[k] + rub_up
+        unit_turn[k] = t * t_1[k] + rub_t
+
+
+@kernel(lean=True)
+def steep_forces(
     teeth: Teeth, heading: Heading, scale: Scale, sin_kappa: float, cos_kappa: float, begin: int, end: int, unit: Array
 ) -> None:
-    """Fill unit[:, begin:end] with force per width [N/m] at each angle: tangential, inward (radial), along the axis.
+    """The same of a tool that rises or falls: chips are as thick as in the middle of each angle.
 
     Angles at which the edge does not advance get 0.
     """
-    sines = teeth.circle.sines[begin:end]
-    unit_t, unit_r, unit_a = unit[0, begin:end], unit[1, begin:end], unit[2, begin:end]
-    _, exponent, rub, powers = teeth.law
+    middles = teeth.circle.sines[begin:end]
+    sines, cosines = teeth.law.means[SINE, begin:end], teeth.law.means[COSINE, begin:end]
+    unit_u, unit_l = unit[UNIT_U, begin:end], unit[UNIT_L, begin:end]
+    unit_z, unit_turn = unit[UNIT_Z, begin:end], unit[UNIT_TURN, begin:end]
+    _, exponent, rub, powers, _ = teeth.law
     level, fall = heading.level, heading.climb * cos_kappa
     if exponent[TANGENTIAL] == 1.0 and exponent[NORMAL] == 1.0 and exponent[AXIAL] == 1.0:
         for k in range(sines.shape[0]):
-            advance = level * sines[k] * sin_kappa - fall
+            advance = level * middles[k] * sin_kappa - fall
             grown = min(advance, 1.0)
             normal, axial = scale.normal * grown + rub[NORMAL], scale.axial * grown + rub[AXIAL]
-            cuts = advance > LEAST_ADVANCE
-            unit_t[k] = scale.tangential * grown + rub[TANGENTIAL] if cuts else 0.0
-            unit_r[k] = normal * sin_kappa + axial * cos_kappa if cuts else 0.0
-            unit_a[k] = normal * cos_kappa - axial * sin_kappa if cuts else 0.0
+            cuts = 1.0 if advance > LEAST_ADVANCE else 0.0
+            tangential = cuts * (scale.tangential * grown + rub[TANGENTIAL])
+            inward = cuts * (normal * sin_kappa + axial * cos_kappa)
+            unit_u[k] = -tangential * cosines[k] - inward * sines[k]
+            unit_l[k] = tangential * sines[k] - inward * cosines[k]
+            unit_z[k] = cuts * (normal * cos_kappa - axial * sin_kappa)
+            unit_turn[k] = tangential
         return
     common = exponent[TANGENTIAL] == exponent[NORMAL] and exponent[TANGENTIAL] == exponent[AXIAL]
-    for k in range(sines.shape[0]):
-        advance = min(level * sines[k] * sin_kappa - fall, 1.0)
+    for k in range(middles.shape[0]):
+        advance = min(level * middles[k] * sin_kappa - fall, 1.0)
         if advance <= LEAST_ADVANCE:
-            unit_t[k], unit_r[k], unit_a[k] = 0.0, 0.0, 0.0
+            unit_u[k], unit_l[k], unit_z[k], unit_turn[k] = 0.0, 0.0, 0.0, 0.0
             continue
         place = advance * (TABLE - 1)
         left = min(int(place), TABLE - 2)
@@ -141,9 +190,11 @@ def unit_forces(
         if not common:
             grown_r, grown_a = power_at(powers, NORMAL, left, part), power_at(powers, AXIAL, left, part)
         normal, axial = scale.normal * grown_r + rub[NORMAL], scale.axial * grown_a + rub[AXIAL]
-        unit_t[k] = scale.tangential * grown_t + rub[TANGENTIAL]
-        unit_r[k] = normal * sin_kappa + axial * cos_kappa
-        unit_a[k] = normal * cos_kappa - axial * sin_kappa
+        tangential, inward = scale.tangential * grown_t + rub[TANGENTIAL], normal * sin_kappa + axial * cos_kappa
+        unit_u[k] = -tangential * cosines[k] - inward * sines[k]
+        unit_l[k] = tangential * sines[k] - inward * cosines[k]
+        unit_z[k] = normal * cos_kappa - axial * sin_kappa
+        unit_turn[k] = tangential
 
 
 class ToothForce(NamedTuple):
@@ -156,7 +207,7 @@ class ToothForce(NamedTuple):
 
 
 @kernel(lean=True)
-def add_row(row: Array, circle: Circle, unit: Array, weights: Array, force: ToothForce, sums: Array) -> None:
+def add_row(row: Array, unit: Array, weights: Array, force: ToothForce, sums: Array) -> None:
     """Force of one row on one tooth, and its part in `sums`.
 
     Only angles FROM..TO of the row are written; the others carry no force.
@@ -165,8 +216,9 @@ def add_row(row: Array, circle: Circle, unit: Array, weights: Array, force: Toot
     """
     r, z, width, begin, end = row[RADIUS], row[HEIGHT], row[EDGE_WIDTH], int(row[FROM]), int(row[TO])
     # slices, because an index of which the compiler cannot see that it is not negative keeps it to one angle at a time
-    sines, cosines, share = circle.sines[begin:end], circle.cosines[begin:end], weights[begin:end]
-    unit_t, unit_r, unit_a = unit[0, begin:end], unit[1, begin:end], unit[2, begin:end]
+    share = weights[begin:end]
+    unit_u, unit_l = unit[UNIT_U, begin:end], unit[UNIT_L, begin:end]
+    unit_z, unit_turn = unit[UNIT_Z, begin:end], unit[UNIT_TURN, begin:end]
     f_u, f_l, f_z, turn = force.u[begin:end], force.l[begin:end], force.z[begin:end], force.turn[begin:end]
     all_u, all_l, all_z = sums[F_U, begin:end], sums[F_L, begin:end], sums[F_Z, begin:end]
     tilt_u, tilt_l, lift = sums[TILT_U, begin:end], sums[TILT_L, begin:end], sums[LIFT, begin:end]
@@ -174,11 +226,8 @@ def add_row(row: Array, circle: Circle, unit: Array, weights: Array, force: Toot
     most, widest = sums[MOST, begin:end], sums[WIDEST, begin:end]
     for k in range(share.shape[0]):
         b = share[k] * width
-        tangential, inward = b * unit_t[k], b * unit_r[k]
-        a_u = -tangential * cosines[k] - inward * sines[k]
-        a_l = tangential * sines[k] - inward * cosines[k]
-        a_z = b * unit_a[k]
-        a_t = r * tangential
+        a_u, a_l, a_z = b * unit_u[k], b * unit_l[k], b * unit_z[k]
+        a_t = r * (b * unit_turn[k])
         f_u[k], f_l[k], f_z[k], turn[k] = a_u, a_l, a_z, a_t
         all_u[k] += a_u
         all_l[k] += a_l
@@ -225,13 +274,16 @@ def cutting_force(
             continue  # there is no angle at which this piece advances: a flat bottom in a level cut
         straight = pieces[piece, ARC] == 0.0
         if straight and abs(rows[first, COS_KAPPA]) < UPRIGHT:
-            touched = contact_of_cylinder(field, teeth.circle, tip, heading, room, first, number)
+            seams = contact_of_cylinder(field, teeth.circle, tip, heading, room, first, number)
+            if seams == NOWHERE:
+                continue
+            add_cylinder(teeth.law, level, scale, room, first, number, seams)
         else:
-            touched = contact_of_rows(field, teeth.circle, tip, heading, room, first, number, last)
-        if not touched:
-            continue
+            seams = contact_of_rows(field, teeth.circle, tip, heading, room, first, number, last)
+            if seams == NOWHERE:
+                continue
+            add_rows(teeth, heading, scale, room, first, number, straight, seams)
         used += number
-        add_rows(teeth, heading, scale, room, first, number, straight)
         steepest = max(steepest, rows[used - 1, SIN_KAPPA])
     if used == 0:
         return 0
@@ -240,22 +292,115 @@ def cutting_force(
 
 
 @kernel(lean=True, inlined=True)
-def add_rows(teeth: Teeth, heading: Heading, scale: Scale, room: Room, first: int, number: int, straight: bool) -> None:
+def missing_before(values: Array, m: int, part: float) -> float:
+    """Integral [angles] over the first `part` of angle m, less that share of its whole.
+
+    values (n,) are means over angles; the integrand is the parabola that has these over m and its neighbours.
+    """
+    last, here = values.shape[0] - 1, values[m]
+    before = values[m - 1] if m > 0 else 2.0 * here - values[m + 1]
+    behind = values[m + 1] if m < last else 2.0 * here - values[m - 1]
+    half = part - 0.5
+    curve = (half * half * half + 0.125 - 0.25 * part) / 6.0
+    return float(curve * (behind - 2.0 * here + before) - 0.25 * part * (1.0 - part) * (behind - before))
+
+
+@kernel(lean=True)
+def mend_limit(law: ForceLaw, row: Array, unit: Array, limit: float, drop: float, lever: float, sums: Array) -> None:
+    """Let contact end at `limit` [angles] itself in `sums`, which have a share of what a whole angle has.
+
+    Before the limit stands `drop` more of the edge than behind it, `lever` times its height [m]; unit (4, n). What
+    `edge_wrench` needs to say the same is kept in the row.
+    """
+    last = unit.shape[1]
+    m = min(int(limit), last - 1)
+    part, r, width = limit - m, row[RADIUS], row[EDGE_WIDTH]
+    u = width * missing_before(unit[UNIT_U], m, part)
+    l = width * missing_before(unit[UNIT_L], m, part)  # noqa: E741 - its name in frame K
+    z = width * drop * missing_before(unit[UNIT_Z], m, part)
+    sums[F_U, m] += drop * u
+    sums[F_L, m] += drop * l
+    sums[F_Z, m] += z
+    sums[TILT_U, m] += lever * u
+    sums[TILT_L, m] += lever * l
+    sums[LIFT, m] += r * z
+    sums[TURN, m] += r * width * drop * missing_before(unit[UNIT_TURN], m, part)
+    sine = missing_before(law.means[SINE, :last], m, part)
+    cosine = missing_before(law.means[COSINE, :last], m, part)
+    row[MORE_SINES] += drop * sine
+    row[MORE_COSINES] += drop * cosine
+    row[LEVER_SINES] += lever * sine
+    row[LEVER_COSINES] += lever * cosine
+
+
+@kernel(lean=True, inlined=True)
+def add_cylinder(law: ForceLaw, level: float, scale: Scale, room: Room, first: int, number: int, seams: int) -> None:
+    """Forces of the rows first..first + number, which are those of a cylinder and share seams."""
+    rows, numbers, half = room.rows, room.seams.numbers, ANGLES // 2
+    begin, end = max(int(rows[first, FROM]) - 1, 0), min(int(rows[first, TO]) + 1, half)
+    level_forces(law, level, scale, rows[first, SIN_KAPPA], 0.0, begin, end, room.unit)
+    for i in range(first, first + number):
+        on_tooth = ToothForce(room.force[0, i], room.force[1, i], room.force[2, i], room.force[3, i])
+        add_row(rows[i], room.unit, room.weights[i], on_tooth, room.sums)
+    for seam in range(seams):
+        limit, drop, lever = numbers[LIMIT, seam], numbers[DROP, seam], numbers[LEVER, seam]
+        mend_limit(law, rows[first], room.unit[:, :half], limit, drop, lever, room.sums)
+        m = min(int(limit), half - 1)
+        missing = rows[first, RADIUS] * drop / number * missing_before(law.means[SINE], m, limit - m)
+        room.sums[WIDEST, m] += missing / law.means[SINE, m]  # which `sum_up` multiplies it with
+
+
+@kernel(lean=True, inlined=True)
+def row_forces(teeth: Teeth, heading: Heading, scale: Scale, row: Array, begin: int, end: int, unit: Array) -> int:
+    """Force per width [N/m] of a row at the angles begin..end and beside them; returns how many angles may count."""
+    sin_kappa, cos_kappa = row[SIN_KAPPA], row[COS_KAPPA]
+    if abs(heading.climb * cos_kappa) <= LEAST_ADVANCE:
+        last = ANGLES // 2
+        level_forces(teeth.law, heading.level, scale, sin_kappa, cos_kappa, max(begin - 1, 0), min(end + 1, last), unit)
+        return last
+    last = ANGLES if heading.climb < 0.0 else ANGLES // 2
+    steep_forces(teeth, heading, scale, sin_kappa, cos_kappa, max(begin - 1, 0), min(end + 1, last), unit)
+    return last
+
+
+@kernel(lean=True, inlined=True)
+def add_rows(
+    teeth: Teeth, heading: Heading, scale: Scale, room: Room, first: int, number: int, straight: bool, seams: int
+) -> None:
     """Forces of the rows first..first + number, which are those of one piece."""
-    rows = room.rows
+    rows, places, numbers = room.rows, room.seams.places, room.seams.numbers
+    last = ANGLES
     if straight:  # rows of one slope share the force per width
         begin, end = ANGLES, 0
         for i in range(first, first + number):
             begin, end = min(begin, int(rows[i, FROM])), max(end, int(rows[i, TO]))
-        unit_forces(teeth, heading, scale, rows[first, SIN_KAPPA], rows[first, COS_KAPPA], begin, end, room.unit)
+        last = row_forces(teeth, heading, scale, rows[first], begin, end, room.unit)
+    seam = 0
     for i in range(first, first + number):
         begin, end = int(rows[i, FROM]), int(rows[i, TO])
         if begin >= end:
             continue
         if not straight:
-            unit_forces(teeth, heading, scale, rows[i, SIN_KAPPA], rows[i, COS_KAPPA], begin, end, room.unit)
+            last = row_forces(teeth, heading, scale, rows[i], begin, end, room.unit)
         on_tooth = ToothForce(room.force[0, i], room.force[1, i], room.force[2, i], room.force[3, i])
-        add_row(rows[i], teeth.circle, room.unit, room.weights[i], on_tooth, room.sums)
+        add_row(rows[i], room.unit, room.weights[i], on_tooth, room.sums)
+        while seam < seams and places[ROW, seam] == i:
+            limit, drop, lever = numbers[LIMIT, seam], numbers[DROP, seam], numbers[LEVER, seam]
+            mend_limit(teeth.law, rows[i], room.unit[:, :last], limit, drop, lever, room.sums)
+            seam += 1
+
+
+@kernel(lean=True)
+def greatest_sine(circle: Circle, most: Array, k: int) -> float:
+    """Greatest sin(phi) over that part of angle k, most[k] of it, that is in contact."""
+    half = np.pi / ANGLES
+    sine, cosine = circle.sines[k], circle.cosines[k]
+    least, last = turned(sine, cosine, -half)[0], turned(sine, cosine, half)[0]
+    if most[k] >= 1.0:
+        return max(least, last)
+    earlier, later = most[max(k - 1, 0)], most[min(k + 1, most.shape[0] - 1)]
+    limit = (2.0 * most[k] - 1.0) * half
+    return max(last, turned(sine, cosine, -limit)[0]) if later > earlier else max(least, turned(sine, cosine, limit)[0])
 
 
 @kernel(lean=True, inlined=True)
@@ -264,7 +409,7 @@ def sum_up(
 ) -> None:
     """From the sums at each angle to the `result`; its CONTACT is 0 where there is none."""
     ux, uy, level, climb = heading
-    sines, cosines = teeth.circle
+    sines, cosines = teeth.law.means[SINE], teeth.law.means[COSINE]
     sums, rows = room.sums, room.rows
     f_u, f_l, f_z, m_u, m_l, torque = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     delta = 2.0 * np.pi / ANGLES
@@ -284,7 +429,7 @@ def sum_up(
         w = sums[MOST, k]
         if w > LEAST_SHARE:
             entry, leave = min(entry, (k + 1.0 - w) * delta), max(leave, (k + w) * delta)
-            result[CHIP] = max(result[CHIP], chip * (level * sines[k] * steepest))
+            result[CHIP] = max(result[CHIP], chip * (level * greatest_sine(teeth.circle, sums[MOST], k) * steepest))
     if climb < 0.0:  # the bottom takes the chip of the fall
         result[CHIP] = max(result[CHIP], -chip * climb * rows[0, COS_KAPPA])
     if result[CONTACT] <= 0.0:

@@ -280,13 +280,14 @@ class Milling(Process):
     @property
     def _teeth(self) -> Teeth:
         from gcodesim.processes.edge_kernels import ANGLES, Circle
-        from gcodesim.processes.force_kernels import TABLE, ForceLaw, Teeth, power_table
+        from gcodesim.processes.force_kernels import ForceLaw, Teeth
+        from gcodesim.processes.law_kernels import MEANS, TABLE, fill_tables
 
         cutter = self.cutter
         law = np.array([[0.0, 1.0, 0.0]] * 3) if self.law is None else self.law.packed
         factor, exponent, rub = (np.array(column, dtype=float) for column in law.T)
-        powers = np.empty((3, TABLE))
-        power_table(exponent, powers)
+        powers, means = np.empty((3, TABLE)), np.empty((MEANS, ANGLES))
+        fill_tables(exponent, powers, means)
         phi: Array = np.asarray((np.arange(ANGLES) + 0.5) * (2.0 * np.pi / ANGLES), dtype=np.float64)
         cosine, sine = cos_sin(phi)
         return Teeth(
@@ -295,7 +296,7 @@ class Milling(Process):
             lag=tan(cutter.helix),
             height=float(cutter.edge_height),
             pieces=cutter.edge,
-            law=ForceLaw(factor, exponent, rub, powers),
+            law=ForceLaw(factor, exponent, rub, powers, means),
             circle=Circle(sine, cosine),
         )
 
@@ -313,7 +314,7 @@ class Milling(Process):
             weights=np.zeros((rows, ANGLES)),
             force=np.zeros((4, rows, ANGLES)),
             sums=np.zeros((SUMS, ANGLES)),
-            unit=np.zeros((3, ANGLES)),
+            unit=np.zeros((4, ANGLES)),
             line=np.zeros(ANGLES),
             share=np.zeros(ANGLES),
             places=Places(np.zeros(ANGLES), np.zeros(ANGLES), np.zeros(ANGLES)),

@@ -17,11 +17,13 @@ from gcodesim.material.kernels import ELSEWHERE, Field, Spots, ask_spots, share_
 from gcodesim.processes.edge_kernels import (
     ANGLES,
     FROM,
+    HEIGHT,
     HIGH,
     LEAST_ADVANCE,
     LOW,
     OUTER,
     RADIUS,
+    SLICES,
     THIN,
     TO,
     Circle,
@@ -37,7 +39,7 @@ Indices = NDArray[np.int64]
 
 SAME_SHARE = 0.02  # up to which the shares of two angles are the same but for what earlier cuts have left
 HALVINGS = 4
-SEAMS = 4 * ANGLES  # for which there is room
+SEAMS = SLICES * ANGLES + 8  # for which there is room: more than a piece can have, and no power of two apart in memory
 
 
 # Rows of `Seams.places`: the row of the edge, and what `ramp_at` says.
@@ -45,12 +47,13 @@ ROW, FIRST, LAST, AFTER = 0, 1, 2, 3
 PLACES = 4
 # Rows of `Seams.numbers`: half of the change, and whether it rises (1 or 0); sine and cosine of the angle before
 # `after`; radius, largest radius, lowest and highest place of the row, and the least way to ask ahead [m]; the parts of
-# an angle between which the search goes on, and the shares there; where to ask next [m], and the share there.
+# an angle between which the search goes on, and the shares there; where to ask next [m], and the share there; the limit
+# that was found [angles], what the row has before it less what it has behind it, and that times its height [m].
 (
     HALF, RISES, SINE, COSINE, RADII, OUTERS, LOWS, HIGHS, WAYS, LEAST, MOST, SHARE_LEAST, SHARE_MOST,
-    X, Y, BOTTOM, TOP, SHARE,
-) = range(18)  # fmt: skip
-NUMBERS = 18
+    X, Y, BOTTOM, TOP, SHARE, LIMIT, DROP, LEVER,
+) = range(21)  # fmt: skip
+NUMBERS = 21
 
 
 class Seams(NamedTuple):
@@ -169,15 +172,16 @@ def crossing(least: float, most: float, low: float, high: float, half: float) ->
 
 
 @kernel(lean=True)
-def set_limit(weights: Array, i: int, first: int, last: int, limit: float) -> None:
+def set_limit(weights: Array, i: int, first: int, last: int, limit: float) -> float:
     """Share out row i between what it has at the angles `first` and `last`: the one up to `limit` [angles], the other.
 
-    Angle k stands for all from k to k + 1.
+    Angle k stands for all from k to k + 1. Returns what it has before the limit less what it has behind it.
     """
     before, behind = weights[i, first], weights[i, last]
     for k in range(first, last + 1):
         part = min(max(limit - k, 0.0), 1.0)
         weights[i, k] = part * before + (1.0 - part) * behind
+    return float(before - behind)
 
 
 @kernel(lean=True)
@@ -281,5 +285,7 @@ def settle_seams(
                     share[k] = share_at(field, tip, heading, clearance, rows, places[ROW, k], sine, cosine)
         narrow(share, half, numbers[RISES], least, most, share_least, share_most)
     for k in range(number):
-        where = crossing(least[k], most[k], share_least[k], share_most[k], half[k])
-        set_limit(weights, places[ROW, k], places[FIRST, k], places[LAST, k], places[AFTER, k] - 0.5 + where)
+        i, where = places[ROW, k], crossing(least[k], most[k], share_least[k], share_most[k], half[k])
+        limit = places[AFTER, k] - 0.5 + where
+        drop = set_limit(weights, i, places[FIRST, k], places[LAST, k], limit)
+        numbers[LIMIT, k], numbers[DROP, k], numbers[LEVER, k] = limit, drop, drop * rows[i, HEIGHT]

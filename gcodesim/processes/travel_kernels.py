@@ -26,6 +26,10 @@ from gcodesim.processes.edge_kernels import (
     EDGE_WIDTH,
     FROM,
     HEIGHT,
+    LEVER_COSINES,
+    LEVER_SINES,
+    MORE_COSINES,
+    MORE_SINES,
     RADIUS,
     SIN_KAPPA,
     TO,
@@ -34,6 +38,7 @@ from gcodesim.processes.edge_kernels import (
 )
 from gcodesim.processes.engagement_kernels import Room
 from gcodesim.processes.force_kernels import AXIAL, NORMAL, TANGENTIAL, TORQUE, Teeth
+from gcodesim.processes.law_kernels import COSINE, SINE
 
 LEAST, MOST = 1.0e-3, 4.0  # range of advance over feed for which chips are computed
 SAME_WAY = 1.0 - 0.5 * 0.05 * 0.05  # cosine of the angle by which a contact may turn before it is sampled again
@@ -79,24 +84,26 @@ def edge_wrench(teeth: Teeth, heading: Heading, room: Room, used: int, wrench: A
     if rub_t == 0.0 and rub_n == 0.0 and rub_a == 0.0:
         return
     ux, uy, rows, weights = heading.ux, heading.uy, room.rows, room.weights
+    mean_sines, mean_cosines = teeth.law.means[SINE], teeth.law.means[COSINE]
     f_u, f_l, f_z, m_u, m_l, torque = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for i in range(used):
         all_of, sines, cosines = 0.0, 0.0, 0.0
         for k in range(int(rows[i, FROM]), int(rows[i, TO])):
             all_of += weights[i, k]
-            sines += weights[i, k] * teeth.circle.sines[k]
-            cosines += weights[i, k] * teeth.circle.cosines[k]
+            sines += weights[i, k] * mean_sines[k]
+            cosines += weights[i, k] * mean_cosines[k]
         r, z, width = rows[i, RADIUS], rows[i, HEIGHT], rows[i, EDGE_WIDTH]
         tangential = width * rub_t
         inward = width * (rub_n * rows[i, SIN_KAPPA] + rub_a * rows[i, COS_KAPPA])
         along = width * (rub_n * rows[i, COS_KAPPA] - rub_a * rows[i, SIN_KAPPA])
-        row_u = -tangential * cosines - inward * sines
-        row_l = tangential * sines - inward * cosines
-        f_u += row_u
-        f_l += row_l
+        more_s, more_c, lever_s, lever_c = (
+            rows[i, MORE_SINES], rows[i, MORE_COSINES], rows[i, LEVER_SINES], rows[i, LEVER_COSINES]
+        )  # fmt: skip
+        f_u += -tangential * (cosines + more_c) - inward * (sines + more_s)
+        f_l += tangential * (sines + more_s) - inward * (cosines + more_c)
         f_z += along * all_of
-        m_u += r * along * cosines - z * row_l
-        m_l += z * row_u - r * along * sines
+        m_u += r * along * cosines - tangential * (z * sines + lever_s) + inward * (z * cosines + lever_c)
+        m_l += -tangential * (z * cosines + lever_c) - inward * (z * sines + lever_s) - r * along * sines
         torque += r * tangential * all_of
     share = teeth.number / ANGLES
     wrench[0], wrench[1], wrench[2] = share * (ux * f_u - uy * f_l), share * (uy * f_u + ux * f_l), share * f_z
