@@ -151,6 +151,19 @@ class Shop:
         placed = self.cell.magazine.place
         return self.cell.frames[placed.frame or "world"] @ placed.X
 
+    def stand(self, number: int) -> Pose:
+        """X_WF of the flange while this tool is coupled in its stand."""
+        place = self.cell.magazine.stands[number].place
+        return self._frame_of_stand(number) @ place.X
+
+    def stand_axes(self, number: int, vector: Array) -> Array:
+        """A vector (3,) in axes of what the stand of a tool stands in, in those of the world."""
+        turned: Array = applied(self._frame_of_stand(number).R, vector)
+        return turned
+
+    def _frame_of_stand(self, number: int) -> Pose:
+        return self.cell.frames[self.cell.magazine.stands[number].place.frame or WORLD]
+
     @property
     def sheet(self) -> Sheet:
         """The columns that a run in this cell has."""

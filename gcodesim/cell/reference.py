@@ -26,6 +26,7 @@ from gcodesim.cell.sensors import Mount
 from gcodesim.cell.settings import Limits, LogSettings, Magazine, Simulation, SpindleTimes, Suppression
 from gcodesim.cell.signals import SignalSource
 from gcodesim.cell.stock import Layer, ShapeKeys, StockSpec, Target
+from gcodesim.cell.tool_stand import StandSpec
 from gcodesim.controllers.flexible import Flexible
 from gcodesim.controllers.pd import PD
 from gcodesim.declarations.keys import all_keys, keys
@@ -71,6 +72,7 @@ SECTIONS: Final[tuple[tuple[str, type], ...]] = (
     ("`target`, besides its place", Target),
     ("`sensors`, besides their place and the keys of their type", Mount),
     ("`magazine`, besides its place", Magazine),
+    ("`stands` of the magazine, by the numbers of tools", StandSpec),
     ("`spindle`", SpindleTimes),
     ("`limits`", Limits),
     ("`suppress`", Suppression),

@@ -57,6 +57,7 @@ def resolve(cell: Cell, to: Reading) -> Cell:
     _check_spindle(cell, to)
     _check_mesh_sizes(cell, to)
     _check_loaded_tools(cell, to)
+    _check_stands(cell, to)
     _check_sensors(cell, to)
     cell = with_signals(cell, to)
     _check_devices(cell, to)
@@ -333,6 +334,17 @@ def _check_materials(to: Reading) -> None:
             message = f"there are no force data for `{name}`: it is cut without force"
             hint = f"give constants of your own: `materials: {{my_{LIBRARY[name].id}: {{kc11: … N/mm^2, mc: …}}}}`"
             to.findings.add(Diagnostic(code="GS926", span=span, message=message, hint=hint))
+
+
+def _check_stands(cell: Cell, to: Reading) -> None:
+    """Stands are for tools that there are, and for arms."""
+    for number in cell.magazine.stands:
+        path = ("magazine", "stands", number)
+        if number not in cell.tools and ("tools",) not in to.broken:
+            known = ", ".join(f"T{other}" for other in sorted(cell.tools)) or "none"
+            to.fault("GS712", to.key(path), f"there is no tool {number} for this stand", f"tools of this cell: {known}")
+        elif not cell.robots:
+            to.fault("GS719", to.key(path), "only an arm drives to a stand", "a machine has `change_time` and `pitch`")
 
 
 def _check_mesh_sizes(cell: Cell, to: Reading) -> None:

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import field, replace
 from datetime import date
 from math import isqrt
 from typing import Any, Final, Literal
 
 from gcodesim.cell.placing import Place
+from gcodesim.cell.tool_stand import STANDS, StandSpec
 from gcodesim.cell.touching import PairKind
 from gcodesim.declarations.composed import Either, ListOf
 from gcodesim.declarations.keys import inline, key
@@ -292,6 +293,7 @@ class Magazine:
     place: Place = inline(Place)
     pitch: float = key(Quantity("length", POSITIVE), "distance between pockets along X", default=0.12, example="120 mm")
     change_time: float = key(Quantity("time", NOT_NEGATIVE), "time of one tool change", default=0.0)
+    stands: Mapping[int, StandSpec] = key(STANDS, "to which an arm drives at a tool change", default={}, quiet=True)
     placed: bool = False
 
     def checked(self, to: Reading, path: Path) -> Magazine:

@@ -409,6 +409,9 @@ def attach(world: World, shop: Shop, number: int, load: Sequence[tuple[Pose, Mas
 
 def pocket_of(shop: Shop, name: str) -> Pose:
     """Where the tool of this name waits: the pose of its flange side in the world; pockets follow X of the magazine."""
+    own = next((number for number in shop.cell.magazine.stands if shop.cell.tools[number].name == name), None)
+    if own is not None:
+        return shop.stand(own)
     names = [tool.name for _, tool in sorted(shop.cell.tools.items())]
     index = names.index(name) if name in names else len(names)
     return shop.magazine_pose @ Pose.from_xyz_rpy((index * shop.cell.magazine.pitch, 0.0, 0.0))

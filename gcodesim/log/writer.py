@@ -269,10 +269,12 @@ class LogWriter:
         """The path (n, 3) [m] of the block that begins; arcs in pieces. No points: nothing is shown."""
         self._add_one("/scene/block", t_ns, polyline_update(t_ns, "block", self._frame(frame), points))
 
-    def tool(self, t_ns: int, shapes: Sequence[DrawnShape], frame: str = "tool") -> None:
-        """The tool in the spindle from now on; no shapes: the spindle is empty."""
+    def tool(
+        self, t_ns: int, shapes: Sequence[DrawnShape], frame: str = "tool", waiting: Sequence[Entity] = ()
+    ) -> None:
+        """The tool in the spindle from now on, no shapes: the spindle is empty; and those `waiting` in their stands."""
         entity = Entity(id="tool", frame=self._frame(frame), shapes=tuple(shapes))
-        self._add_one("/scene/tool", t_ns, entities_update(t_ns, [entity] if shapes else []))
+        self._add_one("/scene/tool", t_ns, entities_update(t_ns, [*([entity] if shapes else []), *waiting]))
 
     def forces(self, t_ns: NDArray[np.int64], tip: Array, force: Array, frame: str = ROOT) -> None:
         """Arrows of the process force (n, 3) [N] at `tip` (n, 3) [m], both in `frame`, at n times, which increase by

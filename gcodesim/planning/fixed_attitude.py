@@ -43,6 +43,7 @@ from gcodesim.planning.reach import report_poses, report_slow_motors
 from gcodesim.planning.route import TRIALS, dead_end, route_along
 from gcodesim.planning.route_findings import report_dead_end, report_route
 from gcodesim.planning.spin_choice import SampledPath, SpinChoice, choose_spin
+from gcodesim.planning.stands import Stands
 from gcodesim.planning.travel import report_missing_axes, report_travel
 
 if TYPE_CHECKING:
@@ -77,7 +78,7 @@ class FixedAttitude:
     which of them carries the work of a system, so that points of that system go along with it.
 
     `bends` are X_NF (4, 4) of bent tools by their numbers: what is said above of the flange holds for their nose N.
-    `held_bend` is that of the tool with which a leg goes on.
+    `held_bend` is that of the tool with which a leg goes on. With `stands` the arm drives for its tool changes.
     """
 
     frames: Mapping[int, Array] = field(default_factory=dict)
@@ -96,6 +97,7 @@ class FixedAttitude:
     loads: Loads | None = None
     bends: Mapping[int, Array] = field(default_factory=dict)
     held_bend: Array | None = None
+    stands: Stands | None = None
 
     @property
     def understands(self) -> frozenset[Commanded]:
@@ -119,6 +121,10 @@ class FixedAttitude:
         """Where poses are out of reach, the joints run straight to where they are in reach again; a finding says so."""
         home = np.asarray(home, dtype=float)
         arm, own = (kinematics, home) if self.outside is None else self._arm_alone(home)
+        goals: dict[int, Array] = {}
+        if self.stands is not None:
+            at_rest = home if self.home is None else self.home
+            path, goals = self.stands.driven(path, kinematics, at_rest, findings)
         path = _seen_from_base(path, self.X_BM)
         self._report_words(path, kinematics, findings)
         bend = self._bends(path)
@@ -159,7 +165,9 @@ class FixedAttitude:
                 break
             solved = _solved_at(arm, flange, finer, choice, own)
         report_poses(arm, flange, nodes, q_own, status, probe, choice, own, part, findings)
-        moves = _joint_moves(kinematics, pieces, nodes, q_nodes, home, home if self.home is None else self.home)
+        rest = home if self.home is None else self.home
+        ends = {rows.row(row): q for row, q in goals.items()}
+        moves = _joint_moves(kinematics, pieces, nodes, q_nodes, home, rest, ends)
         caps.report(kinematics, findings)
         if self.loads is not None and self.loads.matter:
             caps, slow = caps.within(self.loads, nodes, q_nodes)
@@ -295,8 +303,15 @@ class FixedAttitude:
             last = leg.home if held is None else leg.q_nodes[-1]
             outside = replace(outside, rest=last[outside.assembly.externals])
         bend = self._bends(path)
-        held_bend = None if bend is None else bend[-1]
-        return replace(self, spin=leg.flange.last_spin, home=home, held=held, outside=outside, held_bend=held_bend)
+        return replace(
+            self,
+            spin=leg.flange.last_spin,
+            home=home,
+            held=held,
+            outside=outside,
+            held_bend=None if bend is None else bend[-1],
+            stands=None if self.stands is None else self.stands.after(path),
+        )
 
     def R_BO(self, path: ToolPath) -> Array:
         """Axes of O in B for every row of `path` (n, 3, 3)."""
@@ -350,11 +365,17 @@ def _bridge(nodes: Nodes, q: Array, status: NDArray[np.uint8]) -> NDArray[np.boo
 
 
 def _joint_moves(
-    kinematics: Kinematics, pieces: Pieces, nodes: Nodes, q_nodes: Array, start: Array, home: Array
+    kinematics: Kinematics,
+    pieces: Pieces,
+    nodes: Nodes,
+    q_nodes: Array,
+    start: Array,
+    home: Array,
+    goals: Mapping[int, Array],
 ) -> dict[int, JointMove]:
     """Every joint move by its piece.
 
-    The first one begins at `start` (j,); those of G28 end at `home` (j,).
+    The first one begins at `start` (j,); those of G28 end at `home` (j,), those at stands at the `goals` of their rows.
     """
     moves: dict[int, JointMove] = {}
     ends = np.searchsorted(nodes.piece, np.arange(len(pieces)), side="right")  # after the last node of each piece
@@ -366,7 +387,7 @@ def _joint_moves(
         elif piece > 0:
             before = moves[int(piece) - 1].end
         has_node = own_node >= 0 and nodes.piece[own_node] == piece
-        after = q_nodes[own_node] if has_node else home
+        after = q_nodes[own_node] if has_node else goals.get(int(pieces.row_last[piece]), home)
         moves[int(piece)] = JointMove.between(before, after, kinematics.joints)
     return moves
 

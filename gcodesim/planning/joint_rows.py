@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import fields, replace
+from dataclasses import field, fields, replace
 from typing import Any
 
 import numpy as np
@@ -18,12 +18,18 @@ class JointRows:
     """A path and its rows in joint space, `joint` (n,); those that end at home are marked in `home` (n,).
 
     The first row is one of them, and there is one wherever the orientation of the
-    tool changes, so all rows between two of them keep the orientation.
+    tool changes, so all rows between two of them keep the orientation. `before` are the rows, as they were given,
+    before which a move was inserted.
     """
 
     path: ToolPath
     joint: NDArray[np.bool_]
     home: NDArray[np.bool_]
+    before: NDArray[np.intp] = field(default_factory=lambda: np.zeros(0, dtype=np.intp))
+
+    def row(self, given: int) -> int:
+        """Where a row is that was given."""
+        return given + int(np.searchsorted(self.before, given, side="right"))
 
 
 def with_joint_rows(
@@ -53,7 +59,7 @@ def with_joint_rows(
     if not len(before):
         return JointRows(path, joint, home)
     moved = _with_moves_on_the_spot(path, before)
-    return JointRows(moved, np.insert(joint, before, True), np.insert(home, before, False))
+    return JointRows(moved, np.insert(joint, before, True), np.insert(home, before, False), before)
 
 
 def _with_moves_on_the_spot(path: ToolPath, before: NDArray[np.intp]) -> ToolPath:

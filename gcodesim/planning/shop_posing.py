@@ -9,7 +9,7 @@ import numpy as np
 from gcodesim.arithmetic.matrices import applied, dot, norm
 from gcodesim.cell.arm_point import attitude_of
 from gcodesim.cell.externals import columns_of
-from gcodesim.frames import Array
+from gcodesim.frames import Array, Pose
 from gcodesim.kinematics.attitude import WordTurns
 from gcodesim.kinematics.branch_names import branches_named
 from gcodesim.kinematics.cartesian import Cartesian
@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from gcodesim.planning.fixed_attitude import FixedAttitude
     from gcodesim.planning.guide import Outside
     from gcodesim.planning.loads import Loads
+    from gcodesim.planning.stands import Stands
 
 
 def posing_of(shop: Shop) -> Posing:
@@ -71,7 +72,22 @@ def _fixed_attitude(shop: Shop) -> FixedAttitude:
         loads=loads_of(shop),
         platforms={system: names.index(link) for system, link in shop.placement.platforms.items()},
         bends={n: X.inverse().matrix for n, tool in shop.cell.tools.items() if (X := tool.X_FN) is not None},
+        stands=_stands(shop, outside),
     )
+
+
+def _stands(shop: Shop, outside: Outside | None) -> Stands | None:
+    """The stands of the magazine, seen from the base; None where there are none."""
+    from gcodesim.planning.stands import StandPlace, Stands
+
+    places = {}
+    for number, spec in shop.cell.magazine.stands.items():
+        X_BF = shop.X_WB.inverse() @ shop.stand(number)
+        slide = applied(shop.X_WB.R.T, shop.stand_axes(number, np.array(spec.slide)))
+        back = X_BF @ Pose.from_xyz_rpy((0.0, 0.0, -spec.approach))
+        places[number] = StandPlace(coupled=X_BF.matrix, back=back.matrix, out=Pose(X_BF.p + slide, X_BF.R).matrix)
+    loaded = shop.cell.channels[shop.channel].loaded_tool or 0
+    return Stands(places=places, mounted=loaded, away=frozenset({loaded}), outside=outside) if places else None
 
 
 def loads_of(shop: Shop) -> Loads:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Final
 
-from gcodesim.frames import Pose
+from gcodesim.frames import WORLD, Pose
 from gcodesim.log import DrawnMesh, DrawnShape, DrawnSolid, Entity
 from gcodesim.log.shapes import Color
 from gcodesim.recorder.frames import Frames
@@ -15,6 +15,7 @@ from gcodesim.solids import Box, Cone, Cylinder, Hulls, Placed, Sphere, triangle
 
 if TYPE_CHECKING:
     from gcodesim.material.surface import Tile
+    from gcodesim.shop import Shop
     from gcodesim.tools.tool import Tool
 
 
@@ -65,6 +66,21 @@ def tool_shapes(tool: Tool | None, opening: float = 1.0) -> tuple[DrawnShape, ..
         return ()
     shapes = (drawn(placed, tool.color_of(part)) for part, placed in tool.drawn(opening))
     return tuple(shape for shape in shapes if shape is not None)
+
+
+def tools_in_stands(shop: Shop, mounted: int) -> list[Entity]:
+    """The tools that wait in their stands while the machine has the one with the number `mounted`."""
+    elsewhere = {own.loaded_tool for name, own in shop.cell.channels.items() if name != shop.channel}
+    found = []
+    for number in sorted(shop.cell.magazine.stands):
+        tool = shop.tool(number)
+        if tool is None or number == mounted or number in elsewhere:
+            continue
+        X_WT = shop.stand(number) @ tool.X_FT
+        shapes = (drawn(placed.at(X_WT), tool.color_of(part)) for part, placed in tool.drawn())
+        shown = tuple(shape for shape in shapes if shape is not None)
+        found.append(Entity(id=f"stand/T{number}", frame=WORLD, shapes=shown))
+    return found
 
 
 def tile_meshes(tile: Tile) -> tuple[DrawnMesh, ...]:

@@ -38,7 +38,7 @@ from gcodesim.log.topics import DRAWN, Topic
 from gcodesim.motion.tool_path import HOME, RAPID
 from gcodesim.processes.column import FORCE, LOG, POWER, RESULTS, TORQUE, Column
 from gcodesim.recorder.blocks import Blocks
-from gcodesim.recorder.bodies import cell_entities, tile_meshes, tool_shapes
+from gcodesim.recorder.bodies import cell_entities, tile_meshes, tool_shapes, tools_in_stands
 from gcodesim.recorder.films import MOST_FILM_LOOKS, FilmGlimpse, Films
 from gcodesim.recorder.frames import Frames, seven, stock_frame, work_systems
 from gcodesim.recorder.instants import Instants
@@ -356,8 +356,8 @@ class Recorder:
             number = int(window.tool[k])
             t_ns = 0 if to_ns < 0 else int(window.ticks[k]) * self._step_ns
             tool = self._shop.tool(number)
-            self._writer.tool(t_ns, tool_shapes(tool), self._frames.tool)
-            span = self._change_span(number)
+            self._writer.tool(t_ns, tool_shapes(tool), self._frames.tool, tools_in_stands(self._shop, number))
+            span = self._change_span(number, int(window.row[k]))
             if to_ns >= 0 or span[1]:  # at the start: put there by the first change, or by nobody
                 name = "no tool" if number == 0 else tool.name if tool is not None else f"T{number}"
                 self._writer.event(t_ns, "toolchange", name, file=span[0], line=span[1])
@@ -374,9 +374,12 @@ class Recorder:
             opening = min(float(record["opening"][k]) / tool.widest, 1.0)
             if (tool.number, opening) != self._fingers:
                 self._fingers = (tool.number, opening)
-                self._writer.tool(int(ends[k]), tool_shapes(tool, opening), self._frames.tool)
+                waiting = tools_in_stands(self._shop, tool.number)
+                self._writer.tool(int(ends[k]), tool_shapes(tool, opening), self._frames.tool, waiting)
 
-    def _change_span(self, number: int) -> tuple[str, int]:
+    def _change_span(self, number: int, row: int) -> tuple[str, int]:
+        if number == 0 and self._shop.cell.magazine.stands:  # on its way from one stand to the next
+            return self._plan.path.span(row).file, self._plan.path.span(row).line
         for timed in self._plan.trajectory.events:
             if isinstance(timed.event, ToolChange) and timed.event.tool == number:
                 return timed.event.span.file, timed.event.span.line

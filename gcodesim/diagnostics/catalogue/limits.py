@@ -160,4 +160,15 @@ CODES: tuple[Code, ...] = (
         remedy="Nothing, if the time is right. A lighter tool or payload, or a part nearer to the arm, makes it"
         " quicker. Check `effort` of the joint in the URDF and `payload` when the torque looks wrong.",
     ),
+    Code(
+        code="GS232",
+        severity=Severity.ERROR,
+        title="A tool stand out of reach",
+        what="The arm cannot bring its flange to the stand of a tool, to where it waits before it, or to where the tool"
+        " has left it: out of reach, or a joint would leave its travel. The message says which and why. The run changes"
+        " the tool where the arm is.",
+        why="The control stops on the way to the stand.",
+        remedy="Move or turn the stand (`stands` of the magazine): its place is that of the flange, whose Z points into"
+        " the tool.",
+    ),
 )

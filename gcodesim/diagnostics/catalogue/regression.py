@@ -216,4 +216,22 @@ CODES: tuple[Code, ...] = (
             "it back (T0 M6) and wait at a mark before the other takes it."
         ),
     ),
+    Code(
+        code="GS625",
+        severity=Severity.ERROR,
+        title="An empty stand",
+        what="The program has the arm take a tool out of its stand, and the tool is not there: it was loaded or taken"
+        " out by hand (`loaded_tool`, M61), and no tool change has put it back. The run goes on as if it were there.",
+        why="The flange couples nothing, and the next cut is made with no tool.",
+        remedy="Put the tool back with an M6, which drives to its stand, or take it to be on the flange at the start.",
+    ),
+    Code(
+        code="GS626",
+        severity=Severity.WARNING,
+        title="A tool without a stand",
+        what="The cell has stands to which the arm drives, and none for this tool. The tool is changed where the arm"
+        " is, in the time of a tool change.",
+        why="On the machine somebody has to bring the tool; the time of that is not counted.",
+        remedy="Add the stand to `stands` of the magazine.",
+    ),
 )

@@ -1,0 +1,32 @@
+(quick change: a pad is milled, a block is moved beside it, a camera looks at both)
+G21 G90 G17 G94 G64 P0.1
+T1 M6
+G43 H1
+S9000 M3
+G0 X-10 Y8 Z40
+G1 Z18 F2000
+G1 X74 F1500
+G1 Y52
+G1 X6
+G1 Y8
+G0 Z60
+M5
+T2 M6
+G43 H2
+G0 X150 Y30 Z100
+G1 Z5 F12000
+M62 P1
+G4 P0.3
+G1 Z60
+G0 Y-60
+G1 Z5
+M63 P1
+G4 P0.3
+G1 Z100
+T3 M6
+G43 H3
+G0 X110 Y0 Z200
+M110
+T0 M6
+G28
+M2
