@@ -12,6 +12,8 @@ from functools import cache
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, Final
 
+from gcodesim.installed import may_extend
+
 if TYPE_CHECKING:
     from importlib.metadata import EntryPoint
 
@@ -157,7 +159,9 @@ def _added(family: str) -> dict[str, list[EntryPoint]]:
 
 @cache
 def _all_added() -> dict[str, list[EntryPoint]]:
-    """Entry points of our groups, by group; looking for them costs 20 ms, so it is done once and only when needed."""
+    """Entry points of our groups, by group; found once and only when needed."""
+    if not may_extend():
+        return {}
     from importlib.metadata import entry_points
 
     found = entry_points()

@@ -15,6 +15,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.arithmetic.distinct import distinct
 from gcodesim.arithmetic.elementary import cos, sin
 from gcodesim.arithmetic.matrices import applied, multiplied
 from gcodesim.checks.cell_bodies import CellBodies, CellBody
@@ -220,7 +221,7 @@ class CellSearch:
         depth = np.where(stands, np.maximum(self._depth[rows], WANTED), self._depth[rows])
         keep = ~allowed if clearance is None else ~allowed & ~stands & (self._depth[rows] <= TOUCH)
         last = len(now.way.time) - 2
-        for level in np.unique(depth[keep]).tolist():
+        for level in distinct(depth[keep]).tolist():
             some = rows[keep & (depth == level)]
             for meeting in now.search(some, -level if clearance is None else clearance):
                 if clearance is not None and meeting.gap < -TOUCH:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.arithmetic.distinct import distinct
 from gcodesim.arithmetic.matrices import applied, inverse_pose, multiplied, norms
 from gcodesim.canon.systems import name_of_system
 from gcodesim.checks.collisions import Obstacle, ToolParts, collision_finding, fixture_touches
@@ -80,7 +81,7 @@ def clearance_findings(
         return []
     duration = trajectory.duration
     regular = np.arange(0.0, duration, CHORD)
-    time = np.unique(np.concatenate([regular, trajectory.boundaries(0.0, duration), [duration]]))
+    time = distinct(np.concatenate([regular, trajectory.boundaries(0.0, duration), [duration]]))
     found = [hit for some in standing for hit in _hits(plan, tools, some, time, X_BM or Pose.identity())]
     return [finding for _, finding in sorted(found, key=lambda entry: entry[0])]
 
@@ -92,7 +93,7 @@ def _hits(
     trajectory, path, carrier = plan.trajectory, plan.path, standing.carrier
     way = _way(plan, time, carrier)
     tool_of_chord = np.array([state.tool for state in path.states])[path.state[way.row]]
-    for number in np.unique(tool_of_chord).tolist():
+    for number in distinct(tool_of_chord).tolist():
         if number not in tools:
             continue
         mine = np.flatnonzero(tool_of_chord == number)

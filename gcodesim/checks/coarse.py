@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Final
 
-import numpy as np
-
+from gcodesim.arithmetic.distinct import distinct
 from gcodesim.diagnostics import Diagnostic
 from gcodesim.motion.tool_path import HOME, RAPID
 from gcodesim.units import MM
@@ -22,7 +21,7 @@ _WELL: Final = 20.0  # columns across a cutter with which volumes are good to ab
 def coarse_findings(shop: Shop, plan: Plan) -> Iterator[Diagnostic]:
     """GS412 for each stock whose cells are more than half as wide as the thinnest cutter that feeds on the plan."""
     path = plan.path
-    feeding = np.unique(path.state[(path.kind != RAPID) & (path.kind != HOME)])
+    feeding = distinct(path.state[(path.kind != RAPID) & (path.kind != HOME)])
     tools = [shop.tool(number) for number in sorted({path.states[k].tool for k in feeding})]
     cutters = [(width, tool) for tool in tools if tool is not None and (width := getattr(tool, "diameter", None))]
     if not cutters:

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from gcodesim.arithmetic.distinct import distinct
 from gcodesim.canon import AXIS_LETTERS
 from gcodesim.cell import Cell
 from gcodesim.cell.placing import MACHINE
@@ -62,5 +63,5 @@ def blind_axis_findings(path: ToolPath, mover: Mover) -> Iterator[Diagnostic]:
                 span=path.span(int(moved[0])),
                 message=f"axis {letter} takes time only: the cell does not say where it is, so nothing turns",
                 hint=f"give a point on it: `{letter}: {{at: [x, y, z], …}}`",
-                count=len(np.unique(path.block[moved])),
+                count=len(distinct(path.block[moved])),
             )

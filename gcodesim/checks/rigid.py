@@ -11,6 +11,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.arithmetic.distinct import distinct
 from gcodesim.arithmetic.elementary import atan2
 from gcodesim.arithmetic.matrices import dots, norms
 from gcodesim.checks.gap_kernels import Convexes
@@ -64,7 +65,7 @@ def convexes_of(placed: Placed) -> Iterator[Convex]:
         case Mesh():
             points = X.apply(solid.triangles.points)
             if is_convex(solid.triangles):
-                yield Convex(points[np.unique(solid.triangles.faces)])
+                yield Convex(points[distinct(solid.triangles.faces)])
             else:
                 for corners in points[solid.triangles.faces]:
                     yield Convex(corners)

@@ -8,6 +8,7 @@ from typing import Final
 
 import numpy as np
 
+from gcodesim.arithmetic.distinct import distinct
 from gcodesim.arithmetic.matrices import applied
 from gcodesim.checks.meetings import JointWay
 from gcodesim.frames import Array
@@ -35,7 +36,7 @@ class TimedWay:
     @staticmethod
     def of(joints: JointsAt, times: Array, reach: Array) -> TimedWay:
         """With nodes at `times`, and so many more that no body leaves the way by more than `SLACK`; `reach` (j,)."""
-        nodes = np.unique(np.concatenate([times, np.arange(times[0], times[-1], _GRID)]))
+        nodes = distinct(np.concatenate([times, np.arange(times[0], times[-1], _GRID)]))
         q = joints(nodes)
         for last in range(_ROUNDS):
             q0, q1 = q[:-1], q[1:]

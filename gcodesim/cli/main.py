@@ -21,8 +21,9 @@ from gcodesim.diagnostics.plain import PlainStream, raw
 from gcodesim.extras import ExtraMissingError
 from gcodesim.family import ExtensionError, package_at_fault, take_back
 
-# Imports create many objects that all stay; looking for garbage after every 700 takes a tenth of a short command.
-GARBAGE_EVERY: Final = 100_000
+# Imports and the plan of a short run create some 150,000 objects that all stay. To look for garbage among them once
+# takes a twelfth of such a run, after every 700 still more.
+GARBAGE_EVERY: Final = 400_000
 
 # what a write to a stream that is open can end with; anything else without a file's name has a text that says enough
 _OF_STREAMS: Final = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EBADF, errno.EAGAIN)

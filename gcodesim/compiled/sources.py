@@ -8,6 +8,7 @@ can be edited without compiling anything.
 from __future__ import annotations
 
 import hashlib
+import os
 import re
 from collections.abc import Iterator
 from functools import cache
@@ -16,6 +17,8 @@ from types import CodeType
 from typing import Final, NamedTuple
 
 ROOT: Final = Path(__file__).parents[1]
+_PACKAGE: Final = f"{ROOT.name}."
+_THIS: Final = f"{ROOT.name}.compiled."
 WAY: Final = ("arguments.py", "compiling.py", "entry.py", "memory.py", "target.py")
 """Files of this package on which machine code depends."""
 _IMPORT: Final = re.compile(
@@ -68,22 +71,27 @@ def _read(path: Path) -> _Source:
 def _imported(text: bytes) -> Iterator[Path]:
     """Files of the package, other than of this one, that a source names after `from` or `import`."""
     for package, names, module in _IMPORT.findall(text):
-        yield from _files((package or module).decode())
-        if package:
+        file = _file((package or module).decode())
+        if file is not None:
+            yield file
+        if file is None or file.name == "__init__.py":  # names may be those of modules
             for name in _COMMENT.sub(b"", names).strip(b"()").split(b","):
                 words = name.split()
-                if words:
-                    yield from _files(f"{package.decode()}.{words[0].decode()}")
+                found = _file(f"{package.decode()}.{words[0].decode()}") if words else None
+                if found is not None:
+                    yield found
 
 
-def _files(module: str) -> Iterator[Path]:
-    parts = module.split(".")
-    if parts[0] != ROOT.name or parts[1:2] in ([], ["compiled"]):
-        return
-    place = ROOT.joinpath(*parts[1:])
-    for path in (place.with_suffix(".py"), place / "__init__.py"):
-        if path.is_file():
-            yield path
+@cache
+def _file(module: str) -> Path | None:
+    """The file of a module of this package, None for one of another package or of `compiled`."""
+    if not module.startswith(_PACKAGE) or f"{module}.".startswith(_THIS):
+        return None
+    place = os.path.join(ROOT.parent, *module.split("."))
+    for path in (f"{place}.py", os.path.join(place, "__init__.py")):
+        if os.path.isfile(path):
+            return Path(path)
+    return None
 
 
 @cache

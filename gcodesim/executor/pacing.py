@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.arithmetic.distinct import distinct
 from gcodesim.executor.window import LONGEST_CHORD, MOST_PARTS
 from gcodesim.frozen import frozen
 from gcodesim.motion.curve_kernels import ROUND, STRAIGHT
@@ -106,7 +107,7 @@ class Pacing:
         wanted = [within, end, end[:-1][peaks] + 1, rows, np.array([first, last])]
         if self.period:
             wanted.append(np.arange(first // self.period, last // self.period + 1, dtype=np.int64) * self.period)
-        ticks = np.unique(np.concatenate(wanted))
+        ticks = distinct(np.concatenate(wanted))
         kept: Ints = ticks[(ticks >= first) & (ticks <= last)]
         return kept
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.arithmetic.distinct import distinct
 from gcodesim.executor.filament import filament_between
 from gcodesim.executor.tasks import RowColumns
 from gcodesim.frames import Array
@@ -59,7 +60,7 @@ class AskedTicks:
 def command_of(plan: Plan, ticks: Ints, dt_ns: int) -> AskedTicks:
     """What a world is asked in steps between `ticks` (n + 1,)."""
     ends = ticks[1:]
-    asked = np.unique(np.concatenate([ends - 2, ends - 1, ends]))
+    asked = distinct(np.concatenate([ends - 2, ends - 1, ends]))
     asked = asked[asked > ticks[0]]
     samples = plan.trajectory.sample((asked * dt_ns).astype(float) * 1e-9)
     return AskedTicks(q=plan.joints(samples), at=np.searchsorted(asked, ends))
@@ -168,7 +169,7 @@ def window_of(plan: Plan, rows: RowColumns, ticks: Ints, dt_ns: int, carry: Carr
     # each step by its own speed: no number may depend on where windows begin and end
     speed = np.where(rows.rapid[row], 0.0, np.abs(middle.speed))
     parts = np.clip(np.ceil(speed * dt / LONGEST_CHORD), 1, MOST_PARTS).astype(np.int64)
-    knot_time = np.unique(np.concatenate([_refined(times, parts), trajectory.boundaries(times[0], times[-1])]))
+    knot_time = distinct(np.concatenate([_refined(times, parts), trajectory.boundaries(times[0], times[-1])]))
     at_knots = trajectory.sample(knot_time)
     knots, knot_shift = at_knots.position[:, :3], rows.shift[_named_by(at_knots, last)]
     centre = 0.5 * (knot_time[:-1] + knot_time[1:])

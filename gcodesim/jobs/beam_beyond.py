@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
+from gcodesim.arithmetic.distinct import distinct
 from gcodesim.arithmetic.matrices import applied
 from gcodesim.diagnostics import Diagnostic
 from gcodesim.processes import PROCESSES
@@ -55,7 +56,7 @@ def beyond_findings(job: Job, execution: Execution) -> Iterator[Diagnostic]:
                 f"{body.label}",
                 hint="move the fixture, or the cut; or give the table a grid that is meant to wear",
                 time=float(plan.trajectory.row_start[first]),
-                count=len(np.unique(row[struck])),
+                count=len(distinct(row[struck])),
             )
 
 

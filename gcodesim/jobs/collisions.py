@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
+from gcodesim.arithmetic.distinct import distinct
 from gcodesim.arithmetic.matrices import multiplied
 from gcodesim.cell.device import Device, DeviceHistory
 from gcodesim.cell.placement import DEVICE
@@ -80,7 +81,7 @@ def collisions(job: Job, stays: Sequence[Stay] | None, end: float | None = None)
     times += [t for stay in stays for t in (stay.begin, stay.end)] + [
         t for own in mounted for t in (own.begin, own.end)
     ]
-    nodes = np.unique(np.array([t for t in times if 0.0 <= t <= last]))
+    nodes = distinct(np.array([t for t in times if 0.0 <= t <= last]))
     from gcodesim.checks.timed_way import TimedWay
 
     travel = np.abs(joints(nodes)).max(axis=0)
@@ -251,7 +252,7 @@ def _joints_of(
 
 def _way_of(device: Device, history: DeviceHistory, times: Array) -> Array:
     """How far (n,) [m] a device, or its belt, has gone along its direction; what jumps, in a moment before it."""
-    nodes = np.unique(np.array(_nodes(history)))
+    nodes = distinct(np.array(_nodes(history)))
     if device.speed > 0.0:
         nodes = np.append(nodes, max(float(times.max(initial=0.0)), float(nodes[-1])) + 1.0)
         shifts = history.shifts(nodes)[:, 0]

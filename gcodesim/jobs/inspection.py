@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from gcodesim.arithmetic.distinct import distinct
 from gcodesim.arithmetic.matrices import dots
 from gcodesim.canon import AXIS_LETTERS, Action, Output, Spindle, ToolChange
 from gcodesim.checks.saturation import saturation_findings
@@ -193,7 +194,7 @@ class Inspector:
             values = totals[load.column]
             worst = int(over[np.argmax(values[over])])
             most, allowed = float(values[worst]) / load.per, load.limit / load.per
-            count = len(np.unique(self._plan.path.block[over])) if len(self._plan.path) else 1
+            count = len(distinct(self._plan.path.block[over])) if len(self._plan.path) else 1
             found.append(
                 Diagnostic(
                     code=load.code,

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from gcodesim.arithmetic.distinct import distinct
 from gcodesim.frames import Array
 from gcodesim.frozen import frozen
 
@@ -31,7 +32,7 @@ def row_paces(trajectory: Trajectory) -> RowPaces:
     least, at_feed = np.full(count, np.inf), np.zeros(count)
     if not len(phases.time) or not count:
         return RowPaces(least=np.zeros(count), at_feed=at_feed)
-    knots = np.unique(np.concatenate([phases.time, [trajectory.duration], trajectory.row_start, trajectory.row_end]))
+    knots = distinct(np.concatenate([phases.time, [trajectory.duration], trajectory.row_start, trajectory.row_end]))
     begin, end = knots[:-1], knots[1:]
     middle = 0.5 * (begin + end)
     phase = np.clip(np.searchsorted(phases.time, middle, side="right") - 1, 0, len(phases.time) - 1)

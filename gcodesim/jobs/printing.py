@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.arithmetic.distinct import distinct
 from gcodesim.canon import Extrude
 from gcodesim.frames import Array
 from gcodesim.numbers import rounded
@@ -50,7 +51,7 @@ def printing_of(plan: Plan, tools: Mapping[int, Tool], row_time: Array) -> dict[
             [seconds for _, _, seconds in alone],
         )
     nozzles = []
-    for number in np.unique(numbers).tolist():
+    for number in distinct(numbers).tolist():
         mine = numbers[all_rows] == number
         if not all_lengths[mine].any():
             continue
@@ -95,13 +96,13 @@ def _layers(plan: Plan, laid: Array) -> tuple[NDArray[np.int64], dict[int, float
     height = path.end[:, 2] - zero if len(path) else np.zeros(0)
     rows = laid > 0.0
     if not said.any():
-        known = np.unique(np.round(height[rows] / (0.01 * MM)))
+        known = distinct(np.round(height[rows] / (0.01 * MM)))
         at = np.clip(np.searchsorted(known, np.round(height / (0.01 * MM))), 0, max(len(known) - 1, 0))
         said = np.where(rows, at + 1, 0)
         last = np.maximum.accumulate(np.where(rows, np.arange(len(said)), 0)) if len(said) else said
         said = said[last]  # travel belongs to the layer before it
     heights: dict[int, float] = {}
-    for number in np.unique(said).tolist():
+    for number in distinct(said).tolist():
         mine = rows & (said == number)
         heights[number] = float(np.median(height[mine])) if mine.any() else 0.0
     return said.astype(np.int64), heights

@@ -8,6 +8,7 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.arithmetic.distinct import distinct
 from gcodesim.frozen import frozen
 from gcodesim.log.byte_kernels import place
 from gcodesim.log.byte_strings import ByteStrings
@@ -55,7 +56,7 @@ class Messages:
     def copy_to(self, out: NDArray[np.uint8], at: Ints, part: slice) -> None:
         """Copy the contents of the messages of a `part` to `out`, each from its `at` on."""
         numbers, begin, size = self.pool[part], self.begin[part], self.size[part]
-        for number in np.unique(numbers).tolist():
+        for number in distinct(numbers).tolist():
             mine, pool = np.flatnonzero(numbers == number), self.pools[number]
             if pool.flags.writeable:
                 place(at[mine], out, pool, begin[mine], size[mine])

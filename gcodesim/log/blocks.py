@@ -13,6 +13,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.arithmetic.distinct import distinct
 from gcodesim.frozen import frozen
 from gcodesim.log.byte_strings import ByteStrings
 from gcodesim.log.messages import SEVERITIES, ProgramShown, log_frame, program_frame
@@ -125,7 +126,7 @@ def way_messages(blocks: BlockColumns) -> ByteStrings:
         raise ValueError("the point starts do not divide the points of the blocks")
     points = rounded(blocks.points)
     groups = []
-    for count in np.unique(counts).tolist():
+    for count in distinct(counts).tolist():
         chosen = np.flatnonzero(counts == count)
         if 2 <= count <= _MOST_TEMPLATE_POINTS:
             rows = points[starts[chosen][:, None] + np.arange(count)].reshape(len(chosen), -1)

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Final, cast
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.arithmetic.distinct import distinct
 from gcodesim.arithmetic.elementary import cos_sin
 from gcodesim.arithmetic.matrices import applied
 from gcodesim.frozen import frozen
@@ -310,7 +311,7 @@ def _region(comb: Comb, parts: Parts, volumes: Array, group: NDArray[np.int64], 
     worst = int(group[np.argmax(parts.depth[group])])
     ends = np.concatenate([_points(comb, parts.column[group], s[group]) for s in (parts.lo, parts.hi)])
     by_depth = group[np.argsort(-parts.depth[group], kind="stable")]
-    asked = np.unique(np.concatenate((by_depth[: most // 3], group[:: max(1, ceil(len(group) / most))])))
+    asked = distinct(np.concatenate((by_depth[: most // 3], group[:: max(1, ceil(len(group) / most))])))
     face = np.where(parts.cut & 1, parts.lo, np.where(parts.cut & 2, parts.hi, parts.at))
     # a part whose both ends are cut: the end nearer to the deepest place
     double = (parts.cut == 3) & (parts.hi - parts.at < parts.at - parts.lo)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from gcodesim.arithmetic.distinct import distinct
 from gcodesim.arithmetic.matrices import applied, multiplied
 from gcodesim.diagnostics import Diagnostic, Span
 from gcodesim.frames import Array
@@ -148,7 +149,7 @@ class Eyes:
     def _read_window(self, record: StepRecord, surfaces: Mapping[str, Surface] | None) -> None:
         world, window = record.world, record.window
         last = window.end
-        self._used.update(np.unique(window.tool).tolist())
+        self._used.update(distinct(window.tool).tolist())
         for station in self.stations:
             due = self._due[station.name]
             if station.sensor.sees:

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.arithmetic.distinct import distinct
 from gcodesim.frames import Array
 from gcodesim.frozen import frozen
 from gcodesim.planning.configuration import way_with
@@ -114,7 +115,7 @@ def choose_places(
     before = home[outside.assembly.externals], home[outside.assembly.own]
     for k, (a, b) in enumerate(probe.chains):
         share[a:b] = _shares(path, probe.row[a:b], probe.share[a:b])
-        chosen = np.unique(np.rint(np.linspace(a, b - 1, max(_RUNGS * (b - a) // total, _FEWEST))).astype(np.int64))
+        chosen = distinct(np.rint(np.linspace(a, b - 1, max(_RUNGS * (b - a) // total, _FEWEST))).astype(np.int64))
         search = _Search(probe, guide, values, chosen, spin, branches)
         found = search.best(before, pinned=held and k == 0)
         knots.append(chosen if found is not None else chosen[:1])

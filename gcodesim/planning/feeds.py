@@ -8,6 +8,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.arithmetic.distinct import distinct
 from gcodesim.diagnostics import Diagnostic, Findings
 from gcodesim.frames import Array
 from gcodesim.motion.tool_path import ToolPath
@@ -32,7 +33,7 @@ def without_zero_feeds(path: ToolPath, findings: Findings) -> ToolPath:
             message=f"feed is 0 mm/min ({cause}), so the move would never end; run at {CRAWL / MM_PER_MINUTE:g} mm/min",
             span=path.span(int(rows[0])),
             hint="program F, and start the spindle before feeds per revolution",
-            count=len(np.unique(path.block[rows])),
+            count=len(distinct(path.block[rows])),
             value=0.0,
             unit="m/s",
         )
@@ -63,7 +64,7 @@ def report_fast_feeds(path: ToolPath, possible: Array, findings: Findings) -> No
             " that the axes allow in this direction",
             span=path.span(first),
             hint=f"worst in line {path.span(worst).line}: {100.0 * share[worst]:.0f} % of the programmed feed",
-            count=len(np.unique(path.block[rows])),
+            count=len(distinct(path.block[rows])),
             value=float(path.feed[first]),
             limit=float(possible[first]),
             unit="rad/s" if path.rotary_feed[first] else "m/s",
@@ -86,7 +87,7 @@ def _report_threads(path: ToolPath, possible: Array, rows: NDArray[np.intp], fin
             f"; the axes allow {best / MM_PER_MINUTE:.0f} mm/min here",
             span=path.span(first),
             hint=f"at most {best / wanted * turns / RPM:.0f} rpm",
-            count=len(np.unique(path.block[rows])),
+            count=len(distinct(path.block[rows])),
             value=wanted,
             limit=best,
             unit="m/s",

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from gcodesim.arithmetic.distinct import distinct
 from gcodesim.diagnostics import Findings
 from gcodesim.frames import Array
 from gcodesim.frozen import frozen
@@ -32,7 +33,7 @@ class LegJoints:
         time = samples.time
         leg = np.maximum(np.searchsorted(self.begins, time, side="right") - 1, 0)
         parts = [np.zeros((0, len(self.legs[0].kinematics.joints)))]
-        for index in np.unique(leg).tolist():
+        for index in distinct(leg).tolist():
             plan = self.legs[index]
             parts.append(plan.joints(plan.trajectory.sample(time[leg == index] - self.begins[index])))
         return np.concatenate(parts)

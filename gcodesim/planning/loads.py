@@ -9,6 +9,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.arithmetic.distinct import distinct
 from gcodesim.frames import Array
 from gcodesim.frozen import frozen
 from gcodesim.kinematics.chain import Chain, Inertial
@@ -44,7 +45,7 @@ class Loads:
         """Efforts (n, j) with `tool` (n,) on the flange at q, qd, qdd (n, j)."""
         qd, qdd = np.broadcast_to(qd, q.shape), np.broadcast_to(qdd, q.shape)
         out = np.empty_like(q)
-        for number in np.unique(tool).tolist():
+        for number in distinct(tool).tolist():
             here = tool == number
             payload = self.tools.get(number)
             out[here] = inverse_dynamics(self.chain, q[here], qd[here], qdd[here], payload, gravity=self.gravity)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Final, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.arithmetic.distinct import distinct
 from gcodesim.diagnostics import Diagnostic, Findings
 from gcodesim.frames import Array
 from gcodesim.motion.pieces import Pieces
@@ -126,11 +127,11 @@ def _where_it_begins(
 
 def _blocks(pieces: Pieces, piece: NDArray[np.int64]) -> int:
     """How many program blocks the pieces belong to."""
-    touched = np.unique(piece)
+    touched = distinct(piece)
     cover = np.zeros(len(pieces.path) + 1, dtype=np.int64)
     np.add.at(cover, pieces.row_first[touched], 1)
     np.add.at(cover, pieces.row_last[touched] + 1, -1)
-    return len(np.unique(pieces.path.block[np.cumsum(cover[:-1]) > 0]))
+    return len(distinct(pieces.path.block[np.cumsum(cover[:-1]) > 0]))
 
 
 def _shift_that_fits(kinematics: Kinematics, probe: SampledPath, choice: SpinChoice, home: Array) -> str:

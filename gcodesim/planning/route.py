@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.arithmetic.distinct import distinct
 from gcodesim.arithmetic.matrices import inverse_pose, multiplied
 from gcodesim.frames import Array
 from gcodesim.frozen import frozen
@@ -106,7 +107,7 @@ def _evenly(nodes: Nodes, first: int, end: int, most: int) -> NDArray[np.int64]:
     before = np.maximum(after - 1, 0)
     nearest = np.where(wanted - way[before] < way[after] - wanted, before, after)
     nearest[0], nearest[-1] = 0, len(way) - 1
-    return first + np.unique(nearest)
+    return first + distinct(nearest)
 
 
 def cut_through(

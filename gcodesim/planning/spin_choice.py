@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.arithmetic.distinct import distinct
 from gcodesim.arithmetic.matrices import least_gains
 from gcodesim.frames import Array
 from gcodesim.frozen import frozen
@@ -172,4 +173,4 @@ def _spread(count: int, most: int) -> NDArray[np.intp]:
     """Indices of at most `most` of `count` things, evenly spread, with both ends."""
     if count <= most:
         return np.arange(count)
-    return np.unique(np.rint(np.linspace(0, count - 1, most)).astype(np.intp))
+    return distinct(np.rint(np.linspace(0, count - 1, most)).astype(np.intp))

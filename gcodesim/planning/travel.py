@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.arithmetic.distinct import distinct
 from gcodesim.arithmetic.elementary import atan2, cos, sin
 from gcodesim.canon import AXIS_LETTERS
 from gcodesim.canon.systems import name_of_system
@@ -67,7 +68,7 @@ def report_missing_axes(path: ToolPath, axes: NDArray[np.intp], findings: Findin
                 message=f"the program moves {AXIS_LETTERS[axis]}, which this machine does not have",
                 span=path.span(int(rows[0])),
                 hint="its axes are " + ", ".join(AXIS_LETTERS[a] for a in sorted(axes)),
-                count=len(np.unique(path.block[rows])),
+                count=len(distinct(path.block[rows])),
             )
         )
 
@@ -146,7 +147,7 @@ def _report_axis(
             f" its travel ends at {limit / factor:.3f} {unit}",
             span=path.span(first),
             hint=hint,
-            count=len(np.unique(path.block[rows])),
+            count=len(distinct(path.block[rows])),
             value=value,
             limit=limit,
             unit="m" if linear else "rad",

@@ -8,6 +8,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.arithmetic.distinct import distinct
 from gcodesim.frozen import frozen
 from gcodesim.playback.columns import joint_kinds, own_fields, peak_of, shown_as
 from gcodesim.playback.recording import Recording
@@ -153,4 +154,4 @@ def extremes(t_ns: NDArray[np.int64], values: Array, slots: int) -> NDArray[np.i
     order = np.lexsort((values, slot))
     first = np.flatnonzero(np.diff(slot[order], prepend=-1))
     last = np.append(first[1:] - 1, len(order) - 1)
-    return np.unique(np.concatenate([order[first], order[last], [0, len(t_ns) - 1]]))
+    return distinct(np.concatenate([order[first], order[last], [0, len(t_ns) - 1]]))

@@ -11,6 +11,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.arithmetic.distinct import distinct
 from gcodesim.arithmetic.matrices import dots, norms
 from gcodesim.frozen import frozen
 from gcodesim.processes.window import Window
@@ -80,7 +81,7 @@ def _borders(window: Window, first_piece: Ints) -> Ints:
     if not len(borders):
         return none
     # the parts of a step with a border have to take some time
-    ends = np.unique(np.concatenate([first_piece, borders]))
+    ends = distinct(np.concatenate([first_piece, borders]))
     begin, end = ends[:-1], ends[1:] - 1
     brief = window.piece_share[end, 1] - window.piece_share[begin, 0] < LEAST_SHARE
     spoilt = window.piece_step[begin[brief]]

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.arithmetic.distinct import distinct
 from gcodesim.arithmetic.elementary import power
 from gcodesim.processes.column import LINES, LOG, RESULTS, Column
 from gcodesim.units import MINUTE
@@ -33,6 +34,6 @@ def worn(cutter: Cutter, spindle: Array, cuts: NDArray[np.bool_], dt: float | Ar
     assert cutter.life is not None
     speed = np.abs(spindle) * cutter.radius
     share = np.zeros(len(speed))
-    for value in np.unique(speed[cuts & (speed > 0.0)]).tolist():
+    for value in distinct(speed[cuts & (speed > 0.0)]).tolist():
         share[cuts & (speed == value)] = 1.0 / taylor_life(value, cutter.life.constant, cutter.life.exponent)
     return share * dt

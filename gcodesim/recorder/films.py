@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from gcodesim.arithmetic.distinct import distinct
 from gcodesim.frames import Array, Pose
 from gcodesim.frozen import frozen
 from gcodesim.log import DrawnMesh
@@ -84,7 +85,7 @@ class Films:
         share = np.clip(glimpse.thickness / top, 0.0, 1.0)
         kind = np.where(glimpse.thickness < bare, -1, np.minimum(share * CLASSES, CLASSES - 1).astype(np.int64))
         meshes = []
-        for each in np.unique(kind[kind >= 0]).tolist():
+        for each in distinct(kind[kind >= 0]).tolist():
             red, green, blue = (colours(np.array([(each + 0.5) / CLASSES * top]), top, 0.0)[0] / 255.0).tolist()
             points = _corners(film, kind == each)
             triangles = np.arange(len(points), dtype=np.int32).reshape(-1, 3)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.arithmetic.distinct import distinct
 from gcodesim.log import ByteStrings
 from gcodesim.recorder.line_kernels import trim
 
@@ -23,7 +24,7 @@ def texts_of(sources: Mapping[str, SourceText], names: Sequence[str], file: Ints
     Empty if there is no such file or line.
     """
     groups = []
-    for number in np.unique(file).tolist():
+    for number in distinct(file).tolist():
         places = np.flatnonzero(file == number)
         source = sources.get(names[number])
         lines = line[places] if source is not None else np.zeros(len(places), dtype=np.int64)

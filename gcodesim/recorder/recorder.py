@@ -6,7 +6,6 @@ from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
-from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -19,6 +18,7 @@ from gcodesim.diagnostics import Diagnostic
 from gcodesim.executor.record import StepRecord
 from gcodesim.files.output_folder import LOG_NAME, RESULTS_NAME
 from gcodesim.frames import Array
+from gcodesim.installed import version_of
 from gcodesim.jobs.job import BULLET
 from gcodesim.jobs.pace import log_period_ns
 from gcodesim.jobs.results import Results
@@ -204,7 +204,7 @@ class Recorder:
             "step_ns": str(self._step_ns),
             "log_period_ns": str(self._period_ns),
             "world": job.world,
-            **{name: version(name) for name in LIBRARIES if job.world == BULLET or name != "pybullet"},
+            **{name: version_of(name) for name in LIBRARIES if job.world == BULLET or name != "pybullet"},
         }
         others = self.others
         for other in others:

@@ -20,8 +20,8 @@ from gcodesim.regress.programs import PROGRAMS, programs_in
 from gcodesim.regress.readable import Readable
 from gcodesim.regress.tolerance import DEFAULTS, Tolerance
 from gcodesim.regress.verdicts import JudgedFinding
-from gcodesim.setups.setup_file import SUFFIXES as JOBS
-from gcodesim.setups.setup_file import is_job_file
+from gcodesim.setups.naming import SUFFIXES as JOBS
+from gcodesim.setups.naming import is_job_file
 
 _GOLDENS: Final = ".golden"
 

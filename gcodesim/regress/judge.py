@@ -31,7 +31,7 @@ from gcodesim.regress.verdicts import NOTHING_ACCEPTED, CaseVerdict, FindingStat
 from gcodesim.rs274 import Settings, interpret
 from gcodesim.rs274.assumed import assumed_tools
 from gcodesim.rs274.dialects import DIALECTS
-from gcodesim.setups.setup_file import is_job_file
+from gcodesim.setups.naming import is_job_file
 from gcodesim.simulation import check, prepare, run
 from gcodesim.units import MM
 

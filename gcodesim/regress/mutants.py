@@ -16,7 +16,7 @@ from gcodesim.regress.case import Case, shown_path
 from gcodesim.regress.mutation import CELL_OPERATORS, PROGRAM_OPERATORS, Mutation, mutate_cell, mutate_program
 from gcodesim.regress.tolerance import DEFAULTS, Tolerance
 from gcodesim.regress.workers import in_parallel
-from gcodesim.setups.setup_file import is_job_file
+from gcodesim.setups.naming import is_job_file
 
 if TYPE_CHECKING:
     from gcodesim.regress.facts import Facts

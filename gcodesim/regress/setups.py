@@ -12,7 +12,9 @@ from gcodesim.regress.case import Case
 from gcodesim.regress.facts import Facts, facts_of_run
 from gcodesim.regress.outcome import Judging, Outcome, options_of
 from gcodesim.regress.places import files_read, relocated
-from gcodesim.setups import How, JobFile, SetupRun, read_job_file, run_setups, setups_as_json
+from gcodesim.setups.results import setups_as_json
+from gcodesim.setups.running import How, SetupRun, run_setups
+from gcodesim.setups.setup_file import JobFile, read_job_file
 
 _NO_OWN: dict[str, Any] = {"stocks": {}, "tools": [], "joints": [], "not_simulated": []}
 """What the results of a job have under its set-ups only."""

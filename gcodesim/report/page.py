@@ -13,6 +13,7 @@ from typing import Any, Final
 
 import numpy as np
 
+from gcodesim.arithmetic.distinct import distinct
 from gcodesim.diagnostics.show import as_json
 from gcodesim.frozen import frozen
 from gcodesim.log.event import settled
@@ -200,7 +201,7 @@ def _chart(chart: Chart, pack: Pack) -> dict[str, Any]:
     t_ns = chart.curves[0].t_ns
     slots = max(_SLOTS // len(chart.curves), _LEAST_SLOTS)
     if len(t_ns) > 2 * slots * len(chart.curves):
-        kept = np.unique(np.concatenate([extremes(t_ns, curve.values, slots) for curve in chart.curves]))
+        kept = distinct(np.concatenate([extremes(t_ns, curve.values, slots) for curve in chart.curves]))
     else:
         kept = np.arange(len(t_ns))
     return {

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.arithmetic.distinct import distinct
 from gcodesim.arithmetic.matrices import dots, inverse_pose, multiplied
 from gcodesim.files.output_folder import SKIN_SUFFIX
 from gcodesim.frames import quaternion_from_rotation
@@ -304,7 +305,7 @@ def chosen_states(
     count = len(moments)
     while True:
         count = max(int(count * min(0.9, most_bytes / total)), 2)
-        at = [moments[i] for i in np.unique(np.linspace(0, len(moments) - 1, count).round().astype(int))]
+        at = [moments[i] for i in distinct(np.linspace(0, len(moments) - 1, count).round().astype(int))]
         chosen: dict[str, dict[int, int]] = {}
         total = 0
         for topic, states in times.items():

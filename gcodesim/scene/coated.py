@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from gcodesim.arithmetic.distinct import distinct
 from gcodesim.arithmetic.matrices import norms
 from gcodesim.frames import Array
 from gcodesim.frozen import frozen
@@ -65,7 +66,7 @@ def _taken(skin: Skin) -> Triangles | None:
 
 def _ball(skin: Triangles) -> Array:
     """A ball (4,) around a skin: its middle and radius [m]."""
-    points = skin.points[np.unique(skin.faces)]
+    points = skin.points[distinct(skin.faces)]
     middle = 0.5 * (points.min(axis=0) + points.max(axis=0))
     return np.append(middle, norms(points - middle).max())
 

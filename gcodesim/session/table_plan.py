@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from gcodesim.arithmetic.distinct import distinct
 from gcodesim.arithmetic.matrices import norm
 from gcodesim.canon import Event
 from gcodesim.diagnostics import Findings, Span
@@ -53,7 +54,7 @@ class TableJoints:
     def joints(self, samples: Samples) -> Array:
         """Joint values (n, j) [m, rad] at samples in order of time."""
         found = np.empty((len(samples), self.tables[0].shape[1]))
-        for piece in np.unique(samples.piece).tolist():
+        for piece in distinct(samples.piece).tolist():
             here = samples.piece == piece
             table = self.tables[piece]
             at = np.clip(samples.s[here] / self.dt, 0.0, len(table) - 1.0)

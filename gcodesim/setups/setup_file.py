@@ -24,7 +24,6 @@ from gcodesim.files.repository import top_of
 from gcodesim.frozen import frozen
 
 FORMAT: Final = 1
-SUFFIXES: Final = (".yaml", ".yml")
 _FROM: Final = "from"
 
 
@@ -136,11 +135,6 @@ class JobFile:
     source: SourceText
     setups: tuple[Setup, ...] | None
     findings: Findings
-
-
-def is_job_file(path: FilePath) -> bool:
-    """Whether a file named in place of a program lists set-ups; no control takes programs of that name."""
-    return path.suffix.lower() in SUFFIXES
 
 
 def folders_of_job(path: FilePath) -> tuple[FilePath, ...]:

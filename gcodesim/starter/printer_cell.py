@@ -8,6 +8,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.arithmetic.distinct import distinct
 from gcodesim.diagnostics import Severity, SourceText
 from gcodesim.frozen import frozen
 from gcodesim.motion.build import build_tool_path
@@ -142,7 +143,7 @@ class PrinterCell:
         return points.min(axis=0), points.max(axis=0)
 
     def _nozzles(self) -> list[int]:
-        return sorted({int(self.path.states[s].tool) for s in np.unique(self.path.state[self.laying]).tolist()})
+        return sorted({int(self.path.states[s].tool) for s in distinct(self.path.state[self.laying]).tolist()})
 
     def _bed(self, bead: float) -> tuple[Array, Array]:
         """Corners (3,) of the bed, whose top is Z0: as the slicer says, and at least around what is laid."""
@@ -186,7 +187,7 @@ class PrinterCell:
                 return number * MM
         if of == "width":
             return 1.125 * (_number(self.settings.get("nozzle_diameter", "")) or _NOZZLE) * MM
-        steps = np.diff(np.unique(np.round(self.path.end[self.laying, 2] / MM, 4)))
+        steps = np.diff(distinct(np.round(self.path.end[self.laying, 2] / MM, 4)))
         return float(np.median(steps)) * MM if len(steps) else 0.2 * MM
 
     def _filament(self, number: int) -> float:

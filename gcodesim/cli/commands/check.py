@@ -29,7 +29,7 @@ def add_parser(commands: Any) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    from gcodesim.setups.setup_file import is_job_file
+    from gcodesim.setups.naming import is_job_file
 
     if any(map(is_job_file, arguments.programs)):
         from gcodesim.cli.setups import check_job

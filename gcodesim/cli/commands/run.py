@@ -87,7 +87,7 @@ def _port(text: str) -> int:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    from gcodesim.setups.setup_file import is_job_file
+    from gcodesim.setups.naming import is_job_file
 
     if is_job_file(arguments.program):
         from gcodesim.cli.setups import run_job

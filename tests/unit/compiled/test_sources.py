@@ -47,7 +47,7 @@ def root(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
 
 
 def forget() -> None:
-    for function in (sources._hash_of_file, sources._read, sources._way):
+    for function in (sources._hash_of_file, sources._read, sources._file, sources._way):
         function.cache_clear()
 
 

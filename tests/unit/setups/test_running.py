@@ -7,7 +7,9 @@ import trimesh
 
 from gcodesim.diagnostics import SourceText
 from gcodesim.jobs.job import Options
-from gcodesim.setups import How, read_job_file, run_setups, setups_as_json
+from gcodesim.setups.results import setups_as_json
+from gcodesim.setups.running import How, run_setups
+from gcodesim.setups.setup_file import read_job_file
 
 CELL = """gcodesim: 1
 machine: gantry_xyz

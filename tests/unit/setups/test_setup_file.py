@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from gcodesim.diagnostics import SourceText
-from gcodesim.setups import read_job_file
+from gcodesim.setups.setup_file import read_job_file
 
 
 @pytest.fixture
