@@ -36,7 +36,7 @@ from gcodesim.jobs.job import KINEMATIC, Job, Options
 from gcodesim.jobs.loose_pieces import drop_loose_pieces
 from gcodesim.jobs.meetings import meet, share_shop
 from gcodesim.jobs.outcome import first_error, results_of
-from gcodesim.jobs.rehearsal import rehearse
+from gcodesim.jobs.rehearsal import asks_of_parts, rehearse
 from gcodesim.jobs.results import Results
 from gcodesim.processes import PROCESSES
 from gcodesim.rs274 import Settings, interpret
@@ -44,6 +44,7 @@ from gcodesim.shop import Shop, open_shop
 
 if TYPE_CHECKING:
     from gcodesim.executor import Execution, Progress
+    from gcodesim.executor.halt import Halt
     from gcodesim.executor.record import StepRecord
     from gcodesim.executor.totals import JointTotals, RowTotals
     from gcodesim.executor.track import Watcher
@@ -199,13 +200,14 @@ def check(job: Job) -> Results:
 
     A program that probes meets the stock in its shape at the start, since nothing is cut.
     """
+    stays = rehearse(job, onward=True) if asks_of_parts(job) else None
     for each in job.all:
         if each.legs is not None:
             while each.legs.onward() is not None:
                 pass
             each.legs.tell_of_untouched_stock()
     if job.shop is not None:
-        job.findings.extend(collisions(job, rehearse(job)))
+        job.findings.extend(collisions(job, rehearse(job) if stays is None else stays))
     return results_of(job, None)
 
 
@@ -283,13 +285,13 @@ def _run(
     execution = None
     inspectors = {each.channel: Inspector(*_inspected(each), freely=job.world != KINEMATIC) for each in job.all}
 
-    def onward() -> Plan | None:
+    def onward(halt: Halt) -> Plan | None:
         """The next leg, if the program has one; whoever watches the run gets to know it."""
         if job.others:  # all legs have been planned, or there would be no common clock
             return None
         assert job.legs is not None
         known = set(job.findings)
-        plan = job.legs.onward()
+        plan = job.legs.onward(halt)
         if recorder is not None:
             recorder.expect(job.shown(finding for finding in job.findings if finding not in known))
         if plan is not None:

@@ -37,6 +37,15 @@ class Waited(Dwell):
 
 
 @frozen
+class Noticed(Event):
+    """M66 has heard the sensor of this name; `what` is the frame of what was before it, empty where nothing was."""
+
+    sensor: str
+    value: float | None
+    what: str = ""
+
+
+@frozen
 class Pause(Dwell):
     """The rest of a step in which the machine came to rest: the answer comes with the next."""
 

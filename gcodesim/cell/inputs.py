@@ -23,12 +23,13 @@ Wait = Literal["immediate", "rise", "fall", "high", "low"]
 
 @frozen
 class InputSource:
-    """An input: at each of `times` (n,) [s] it has the next of `values` (n + 1,), or it follows an output or device."""
+    """An input: at each of `times` (n,) [s] it has the next of `values` (n + 1,), or it follows what else is named."""
 
     values: tuple[float, ...] = (0.0,)
     times: tuple[float, ...] = ()
     output: str | None = None
     device: str | None = None
+    sensor: str | None = None
 
     def read(
         self, wait: Wait, begin: float, timeout: float, outputs: Mapping[str, float]
@@ -69,7 +70,10 @@ class InputKind(Kind):
 
     @property
     def expected(self) -> str:
-        return "a number, a list of times and values such as `[[0, 0], [5 s, 1]]`, `{output: P1}` or `{device: door}`"
+        return (
+            "a number, a list of times and values such as `[[0, 0], [5 s, 1]]`, `{output: P1}`, `{device: door}` or "
+            "`{sensor: barrier}`"
+        )
 
     def read(self, node: Node, to: Reading, path: Path) -> InputSource | Unread:
         if isinstance(node, MappingNode):
@@ -80,12 +84,14 @@ class InputKind(Kind):
         return UNREAD if isinstance(value, Unread) else InputSource(values=(value,))
 
     def _wired(self, node: MappingNode, to: Reading, path: Path) -> InputSource | Unread:
-        if len(node.entries) == 1 and node.entries[0][0].text == "device":
-            name = scalar(self, node.entries[0][1], to, (*path, "device"))
+        word = node.entries[0][0].text if len(node.entries) == 1 else ""
+        if word in ("device", "sensor"):
+            name = scalar(self, node.entries[0][1], to, (*path, word))
             if isinstance(name, Unread):
                 return UNREAD
-            to.references.append(Reference(what="device", name=name.text, path=(*path, "device")))
-            return InputSource(device=name.text)
+            what: Literal["device", "sensor"] = "device" if word == "device" else "sensor"
+            to.references.append(Reference(what=what, name=name.text, path=(*path, word)))
+            return InputSource(device=name.text) if what == "device" else InputSource(sensor=name.text)
         if len(node.entries) != 1 or node.entries[0][0].text != "output":
             return to.fault("GS706", node.span, f"`{path[-1]}` is wired to nothing known; {self.expected} is expected")
         text = scalar(self, node.entries[0][1], to, (*path, "output"))
@@ -123,17 +129,22 @@ class InputKind(Kind):
             "required": ["output"],
             "additionalProperties": False,
         }
-        device = {
-            "type": "object",
-            "properties": {"device": {"type": "string"}},
-            "required": ["device"],
-            "additionalProperties": False,
-        }
-        return {"anyOf": [value, {"type": "array", "items": pair}, wired, device]}
+        named = [
+            {
+                "type": "object",
+                "properties": {word: {"type": "string"}},
+                "required": [word],
+                "additionalProperties": False,
+            }
+            for word in ("device", "sensor")
+        ]
+        return {"anyOf": [value, {"type": "array", "items": pair}, wired, *named]}
 
     def show(self, value: Any) -> Any:
         if value.device is not None:
             return {"device": value.device}
+        if value.sensor is not None:
+            return {"sensor": value.sensor}
         if value.output is not None:
             return {"output": value.output}
         if not value.times:

@@ -25,6 +25,7 @@ from gcodesim.frames import WORLD, Pose
 from gcodesim.kinematics.chain import BASE
 from gcodesim.rs274.dialects import DIALECTS
 from gcodesim.rs274.dialects.systems import dialect_with
+from gcodesim.sensors.switch import Switch
 from gcodesim.solids import Box
 from gcodesim.units import MM
 
@@ -61,6 +62,7 @@ def resolve(cell: Cell, to: Reading) -> Cell:
     _check_sensors(cell, to)
     cell = with_signals(cell, to)
     _check_devices(cell, to)
+    _check_heard(cell, to)
     _check_codes(cell, to)
     _check_world(cell, to)
     check_touching(cell, to)
@@ -402,6 +404,25 @@ def _check_devices(cell: Cell, to: Reading) -> None:
         if reference.what == "device" and reference.name not in known:
             hint = suggestion(reference.name, known) if known else "there are none: `devices: {…}` of the cell"
             to.fault("GS712", to.span(reference.path), f"there is no device `{reference.name}`", hint)
+
+
+def _check_heard(cell: Cell, to: Reading) -> None:
+    """Sensors that inputs name are there, and answer yes or no."""
+    known = to.names_in("sensors")
+    switches = [name for name, mounted in cell.sensors.items() if isinstance(mounted.sensor, Switch)]
+    for reference in to.references:
+        if reference.what != "sensor":
+            continue
+        if reference.name not in known:
+            hint = suggestion(reference.name, known) if known else "there are none: `sensors: {…}` of the cell"
+            to.fault("GS712", to.span(reference.path), f"there is no sensor `{reference.name}`", hint)
+        elif reference.name in cell.sensors and reference.name not in switches:
+            to.fault(
+                "GS711",
+                to.span(reference.path),
+                f"`{reference.name}` is a {cell.sensors[reference.name].kind}, which answers neither yes nor no",
+                "inputs read sensors of the types `light_barrier` and `proximity_switch`",
+            )
 
 
 def _check_spindle(cell: Cell, to: Reading) -> None:

@@ -56,7 +56,7 @@ def _unit(name: str, dimension: str) -> Unit:
 class Reference:
     """A name that stands for something elsewhere in the cell, to be looked up when all of it is read."""
 
-    what: Literal["frame", "material", "device"]
+    what: Literal["frame", "material", "device", "sensor"]
     name: str
     path: Path
 

@@ -11,6 +11,7 @@ import numpy as np
 
 from gcodesim.executor.ahead import CutThread, WindowCut
 from gcodesim.executor.behind import Behind
+from gcodesim.executor.halt import Halt
 from gcodesim.executor.made_by import passes_of
 from gcodesim.executor.pacing import Pacing
 from gcodesim.executor.part_run import PartRun
@@ -27,6 +28,7 @@ from gcodesim.executor.track import (
     windows,
 )
 from gcodesim.shop import Shop
+from gcodesim.tools.gripper import Gripper
 from gcodesim.world import WorldSteps
 
 if TYPE_CHECKING:
@@ -45,12 +47,12 @@ def execute(
     inspect: Inspect | None = None,
     watcher: Watcher | None = None,
     progress: Callable[[Progress], None] | None = None,
-    onward: Callable[[], Plan | None] | None = None,
+    onward: Callable[[Halt], Plan | None] | None = None,
 ) -> Execution:
     """Run the whole plan in a world; stock changes in place. `pacing` says what its steps are: else ticks of `dt_ns`.
 
     At the end of a plan, `onward` may say how the program goes on: with the plan of all
-    legs so far and the next one, which begins with a whole step.
+    legs so far and the next one, which begins with a whole step. It is told where the run stands.
 
     KeyboardInterrupt ends the run after the windows in progress; what was done until
     then is in the result. It is passed on to the caller when nothing was done. Raises
@@ -67,7 +69,7 @@ def execute_together(
     world_name: str,
     pacing: Pacing,
     progress: Callable[[Progress], None] | None = None,
-    onward: Callable[[], Plan | None] | None = None,
+    onward: Callable[[Halt], Plan | None] | None = None,
 ) -> Execution:
     """Run the plans of several channels at once, all until the last of them ends; the first one looks at the stocks.
 
@@ -89,7 +91,7 @@ def execute_together(
     try:
         for track in tracks:
             track.begin()
-        follows, leg = True, True
+        follows, leg, record = True, True, None
         while leg:
             first, planned = planned, max(track.steps for track in tracks)
             stops = () if watcher is None else watcher.stops([track.plan for track in tracks], first, planned)
@@ -123,7 +125,7 @@ def execute_together(
                 if progress is not None:
                     row = first_track.last_row
                     progress(Progress(step=track.done, steps=planned, time=track.done * dt_ns * 1e-9, row=row))
-            plan = onward() if onward is not None else None
+            plan = onward(_halt(first_track, things, record)) if onward is not None else None
             leg = plan is not None
             if plan is not None:
                 if watcher is not None:
@@ -150,6 +152,21 @@ def execute_together(
         last = {track.shop.name: track.stands_at[None] for track in tracks}
         ends = things.ends(first_track.done - 1, last)
     return replace(own, others=others, parts=ends, stays=stays)
+
+
+def _halt(track: Track, things: PartRun | None, record: StepRecord | None) -> Halt:
+    """Where a run stands whose last window is `record`."""
+    joints = {track.shop.name: track.stands_at}
+    if record is None:
+        return Halt(joints=joints, tool=int(track.rows.tool[0]), opening=1.0, moving={})
+    number = int(record.window.tool[-1])
+    tool = track.shop.tool(number)
+    return Halt(
+        joints=joints,
+        tool=number,
+        opening=record.opening(-1, tool.widest) if isinstance(tool, Gripper) else 1.0,
+        moving={} if things is None else things.going_on(track.done - 1, joints),
+    )
 
 
 def _parts_of(channels: Sequence[TrackPlan], world_name: str, dt_ns: int) -> PartRun | None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from math import inf
 from typing import Final
 
@@ -13,6 +14,7 @@ from numpy.typing import NDArray
 from gcodesim.arithmetic.elementary import acos
 from gcodesim.arithmetic.matrices import inverse_pose, multiplied, norm
 from gcodesim.executor.device_run import DeviceRun
+from gcodesim.executor.halt import Going
 from gcodesim.executor.switching import Switching
 from gcodesim.frames import WORLD, Array, Pose
 from gcodesim.frozen import frozen
@@ -239,6 +241,19 @@ class PartRun:
         count = len(next(iter(q.values())))
         parts = [self.ran.poses(name, first, q) for name in self.names]
         return np.stack([*parts, *(self.devices.drawn(name, first, count) for name in self.devices.frames)], axis=1)
+
+    def going_on(self, step: int, joints: Mapping[str, Array]) -> dict[str, Going]:
+        """How parts and devices move from the end of a step on, while machines stand with these joints (j,)."""
+
+        def of_part(name: str, first: int, count: int) -> Array:
+            q = {mover: np.tile(at, (count, 1)) for mover, at in joints.items()}
+            return self.ran.poses(name, step + first, q)
+
+        def of_device(name: str, first: int, count: int) -> Array:
+            return self.devices.drawn(name, step + first, count)
+
+        found: dict[str, Going] = {name: partial(of_part, name) for name in self.names}
+        return found | {name: partial(of_device, name) for name in self.devices.frames}
 
     def ends(self, step: int, q: Mapping[str, Array]) -> dict[str, PartEnd]:
         """What became of each part, with joints `q[mover]` (1, j) at the end."""

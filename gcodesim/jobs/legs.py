@@ -28,6 +28,7 @@ from gcodesim.diagnostics import Diagnostic, Severity, Span
 from gcodesim.frames import Array
 from gcodesim.jobs.meetings import is_wait, lone_marks
 from gcodesim.jobs.results import ProbeResult
+from gcodesim.jobs.sensor_waits import not_heard, standing_still, waited_in_vain
 from gcodesim.motion.build import PathBuilder
 from gcodesim.motion.joining import standing_until, with_instant
 from gcodesim.motion.tool_path import PathEvent, ToolPath
@@ -44,6 +45,7 @@ if TYPE_CHECKING:
     from gcodesim.cell.signals import SignalSource
     from gcodesim.checks.contact import Contact
     from gcodesim.checks.machine_collisions import MachineChecks
+    from gcodesim.executor.halt import Halt
     from gcodesim.jobs.job import Job
 
 _QUESTIONS: Final = (canon.ProbeMove, canon.Input)
@@ -76,6 +78,7 @@ class Legs:
         self._duration_of = standing_of(job.cell, job.shop.channel)
         self._outputs: dict[str, float] = {}  # digital P0 …, analog E0 …
         self._unheard: dict[str, tuple[int, Span]] = {}
+        self._halted = False  # whether the machine stands where a sensor is asked
         self._touched: tuple[str, float] | None = None  # what the last leg touched, and how far it went in after that
 
     @property
@@ -85,16 +88,21 @@ class Legs:
 
     # ---- for callers
 
-    def onward(self) -> Plan | None:
+    def onward(self, halt: Halt | None = None) -> Plan | None:
         """The plan of all legs so far and the next; None when the program has no further leg.
 
         Findings are added to the job. All earlier legs have been run, so that the stock is in the state they left
-        it; or nothing is run at all.
+        it, and everything stands as `halt` says; or nothing is run at all.
         """
         while not self._ended:
             if self._question is None and not self._read:
                 self._read_on()
             question = self._question
+            if not self._halted and isinstance(question, canon.Input) and self._source(question).sensor is not None:
+                # what has been said before takes effect first: a step in which the sensor is asked
+                self._builder.add(canon.Waited(span=question.span, seconds=self._step_ns * 1e-9))
+                self._halted = True
+                return self._plain_leg()
             if question is None or len(self._builder.rows):
                 plan = self._plain_leg()
                 if plan is not None or self._ended:
@@ -102,7 +110,7 @@ class Legs:
             elif isinstance(question, canon.ProbeMove):
                 return self._probe(question)
             else:
-                self._hear(question)
+                self._hear(question, halt)
         return None
 
     @property
@@ -354,27 +362,54 @@ class Legs:
 
     # ---- inputs
 
-    def _hear(self, question: canon.Input) -> None:
-        """What an input reads, as the cell has it; the machine has come to rest, and stands while it waits."""
-        pending = self._builder.events
-        begin = self._steps * self._step_ns * 1e-9 + sum(self._duration_of(noted) for noted in pending)
-        outputs = dict(self._outputs)
-        _set_outputs(outputs, (noted.event for noted in pending), moved=False)
-        pin = f"{'P' if question.type == 'digital' else 'E'}{question.index}"
-        source = self.shop.cell.channels[self.shop.channel].inputs.get(pin)
-        if source is None:
-            count, first = self._unheard.get(pin, (0, question.span))
-            self._unheard[pin] = (count + 1, first)
-            source = InputSource()
-        if source.device is not None:
-            source = self._state_of(source.device, begin, pending)
-        value, waited = source.read(question.wait, begin, question.timeout, outputs)
+    def _source(self, question: canon.Input) -> InputSource:
+        """What the cell says that an input reads; 0 where it says nothing."""
+        inputs = self.shop.cell.channels[self.shop.channel].inputs
+        return inputs.get(_pin(question), InputSource())
+
+    def _hear_sensor(self, question: canon.Input, name: str, begin: float, halt: Halt | None) -> None:
+        """What a switch of the cell says, and for how long M66 waits for it."""
+        from gcodesim.observation.hearing import Hearing
+        from gcodesim.observation.schedule import station_of
+
+        assert self._job.plan is not None
+        if not self._job.alone:
+            self._job.findings.add(not_heard(question, name))
+        station = station_of(self.shop.cell, name)
+        halt = halt or standing_still(self.shop, self._job.plan, self._at, self._steps, self._step_ns)
+        hearing = Hearing(self.shop, station, halt, self._step_ns * 1e-9)
+        heard = hearing.wait(question.wait, begin, question.timeout)
+        if heard.value is None:
+            self._job.findings.add(waited_in_vain(question, name, hearing.where, heard.what))
+        self._answer(question, heard.value, heard.seconds)
+        self._builder.add(canon.Noticed(span=question.span, sensor=name, value=heard.value, what=heard.what))
+        self._halted = False
+
+    def _answer(self, question: canon.Input, value: float | None, waited: float) -> None:
+        """Tell the program what it hears after it has waited [s]."""
         if value is not None and question.type == "digital":
             value = float(value != 0.0)
         if waited > 0.0:
             self._builder.add(canon.Waited(span=question.span, seconds=waited))
         self._question = None
         self._reply = canon.Heard(value=value)
+
+    def _hear(self, question: canon.Input, halt: Halt | None) -> None:
+        """What an input reads, as the cell has it; the machine has come to rest, and stands while it waits."""
+        pending = self._builder.events
+        begin = self._steps * self._step_ns * 1e-9 + sum(self._duration_of(noted) for noted in pending)
+        outputs = dict(self._outputs)
+        _set_outputs(outputs, (noted.event for noted in pending), moved=False)
+        pin, source = _pin(question), self._source(question)
+        if pin not in self.shop.cell.channels[self.shop.channel].inputs:
+            count, first = self._unheard.get(pin, (0, question.span))
+            self._unheard[pin] = (count + 1, first)
+        if source.sensor is not None:
+            self._hear_sensor(question, source.sensor, begin, halt)
+            return
+        if source.device is not None:
+            source = self._state_of(source.device, begin, pending)
+        self._answer(question, *source.read(question.wait, begin, question.timeout, outputs))
 
     def _state_of(self, name: str, begin: float, pending: Sequence[PathEvent]) -> InputSource:
         """What an input reads that shows whether a device has arrived; from `begin` [s] on it is not switched again."""
@@ -399,6 +434,11 @@ class Legs:
                     count=count,
                 )
             )
+
+
+def _pin(question: canon.Input) -> str:
+    """`P1` or `E0`."""
+    return f"{'P' if question.type == 'digital' else 'E'}{question.index}"
 
 
 def _set_outputs(outputs: dict[str, float], events: Iterable[canon.Event], *, moved: bool) -> None:

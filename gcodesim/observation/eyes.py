@@ -216,8 +216,9 @@ class Eyes:
     def findings(self) -> Iterator[Diagnostic]:
         """GS590 for each sensor that would have read more often than it may, GS591 for each that has never read.
 
-        A tool that is a sensor may lie in the magazine for other programs.
+        A tool that is a sensor may lie in the magazine for other programs, and an input may be there for them.
         """
+        heard = {source.sensor for channel in self._shop.cell.channels.values() for source in channel.inputs.values()}
         for station in self.stations:
             tally = self._tallies[station.name]
             span = _span(self._shop, station)
@@ -231,7 +232,7 @@ class Eyes:
                     value=float(tally.planned + tally.left_out),
                     limit=float(MOST_SIGHTS),
                 )
-            elif not tally.readings and (station.tool is None or station.tool in self._used):
+            elif not tally.readings and station.name not in heard and (station.tool or 0) in {0, *self._used}:
                 target, verb = station.sensor.order
                 how = f"`m_codes: {{M110: {{{target}: {verb}}}}}`"
                 yield Diagnostic(

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Final
 
-from gcodesim.canon import Action
+from gcodesim.canon import Action, Noticed
 from gcodesim.cell.sensors import MountedSensor
 from gcodesim.cell.signals import SignalWord
 from gcodesim.frozen import frozen
@@ -52,6 +52,11 @@ def stations_of(cell: Cell) -> tuple[Station, ...]:
     )
 
 
+def station_of(cell: Cell, name: str) -> Station:
+    """A sensor of the cell by its name."""
+    return _mounted(name, cell.sensors[name])
+
+
 def _mounted(name: str, mounted: MountedSensor) -> Station:
     return Station(name=name, sensor=mounted.sensor, frame=f"sensor/{name}", trigger=mounted.mount.trigger)
 
@@ -80,7 +85,9 @@ def _told(station: Station, plan: Plan, step_ns: int) -> Iterator[int]:
     before = 0.0
     for timed in plan.trajectory.events:
         event, now = timed.event, False
-        if isinstance(event, Action):
+        if isinstance(event, Noticed):
+            now = event.sensor == station.name
+        elif isinstance(event, Action):
             now = (event.target, event.verb) in orders
         if station.trigger is not None:
             value = station.trigger.number_of(event)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -81,6 +81,37 @@ class Stage:
         rows = {name: joints[None] for name, joints in q.items()}
         return Scenery.of(self._parts(rows, tool, surfaces, places, opening), lines)
 
+    def triangles_of(self, frame: str) -> Array:
+        """Triangles (t, 3, 3) [m] of the body of a frame, in that frame."""
+        return np.concatenate([np.zeros((0, 3, 3)), *(skin.triangles for name, skin in self.bodies if name == frame)])
+
+    def standing(
+        self, q: Mapping[str, Array], tool: int, moving: Collection[str], opening: float
+    ) -> Iterator[tuple[str, Array]]:
+        """Names and triangles (t, 3, 3) [m] in the world of links, tool and bodies, but stocks and what is `moving`.
+
+        `q[mover]` (1, j) are joints; a gripper is `opening` (0 to 1) open.
+        """
+        for name, mover in self.shop.scene.movers.items():
+            at = mover.kinematics.links(q.get(name, mover.home[None]))[0]
+            names = mover.kinematics.link_names
+            for index, skin in self.links[name]:
+                yield f"{name}/{names[index]}", skin.at(multiplied(mover.X_WB.matrix, at[index]))[0]
+        for frame, skin in self.bodies:
+            if frame not in moving:
+                yield frame, skin.at(self.shop.scene.track(frame, q)[0])[0]
+        X_WT = self.tip(q, tool)
+        held = self.shop.tool(tool)
+        for skin in self._held(tool, opening):
+            yield held.name if held is not None else "", skin.at(X_WT)[0]
+
+    def _held(self, tool: int, opening: float) -> Sequence[_Skin]:
+        """The tool on the flange, in the axes of its tip; a gripper is `opening` (0 to 1) open."""
+        held = self.shop.tool(tool)
+        if not isinstance(held, Gripper):
+            return self.tools.get(tool, ())
+        return [*_tool_skins(held, opening)]
+
     def _parts(
         self,
         q: Mapping[str, Array],
@@ -97,12 +128,7 @@ class Stage:
         for frame, skin in self.bodies:
             yield skin.at(places[frame] if frame in places else scene.track(frame, q)[0])
         X_WT = self.tip(q, tool)
-        held = self.shop.tool(tool)
-        if isinstance(held, Gripper):
-            skins = [*_tool_skins(held, opening)]
-        else:
-            skins = [*self.tools.get(tool, ())]
-        for skin in skins:
+        for skin in self._held(tool, opening):
             yield skin.at(X_WT)
         for name, surface in surfaces.items():
             yield stock_skin(surface).at(scene.track(self.shop.stocks[name].frame, q)[0])

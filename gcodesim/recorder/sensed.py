@@ -77,7 +77,8 @@ def sensor_message(station: Station, t_ns: int, output: Output) -> bytes:
             parts = [b"".join(double(k + 1, v) for k, v in enumerate(part)) for part in values.reshape(2, 3).tolist()]
             return stamp(1, t_ns) + text(2, frame) + chunk(3, parts[0]) + chunk(4, parts[1])
         case Numbers(values=figures):
-            return stamp(1, t_ns) + b"".join(chunk(2, text(1, k) + double(2, v)) for k, v in figures.items())
+            shown = ((name, double(2, value) if value else b"") for name, value in figures.items())
+            return stamp(1, t_ns) + b"".join(chunk(2, text(1, name) + number) for name, number in shown)
 
 
 def _depth(t_ns: int, frame: str, output: DepthMap) -> bytes:

@@ -14,6 +14,8 @@ SENSORS = Family(
     depth_camera="gcodesim.sensors.camera:DepthCamera",
     line_scanner="gcodesim.sensors.line_scanner:LineScanner",
     force_sensor="gcodesim.sensors.force_sensor:ForceSensor",
+    light_barrier="gcodesim.sensors.light_barrier:LightBarrier",
+    proximity_switch="gcodesim.sensors.proximity_switch:ProximitySwitch",
 )
 
 __all__ = ["SENSORS"]

@@ -409,4 +409,21 @@ CODES: tuple[Code, ...] = (
         why="An inspection that never takes place looks like one that finds nothing.",
         remedy="Give it a `period` or a `trigger`, or map an M-code: `m_codes: {M110: {camera: shoot}}`.",
     ),
+    Code(
+        code="GS592",
+        severity=Severity.WARNING,
+        title="Wait for a sensor in vain",
+        what="M66 waits for a light barrier or a proximity switch, and its time Q runs out before the sensor answers.",
+        why="On the machine the program goes on with #5399 at -1, as if something had come; or it stands there.",
+        remedy="Look at what should come and when, at the place of the sensor and at `normally_closed`; make Q longer.",
+    ),
+    Code(
+        code="GS593",
+        severity=Severity.WARNING,
+        title="Sensor asked while other programs run",
+        what="Several programs run at once, and one asks a sensor with M66. All are planned before anything moves: "
+        "the sensor sees parts and machines as they stand at the start.",
+        why="What the program then does may differ from what it does on the machine.",
+        remedy="Let programs wait for each other at marks, which are planned in time.",
+    ),
 )
