@@ -12,6 +12,7 @@ EXTRAS: Final = {
     "plot": ("matplotlib",),
     "report": ("metaflow-card-uplot",),
     "ros": ("rosbags",),
+    "scale": ("distributed", "pyarrow", "cryptography"),
 }
 """The packages of each extra that a command may need, as package indexes name them."""
 

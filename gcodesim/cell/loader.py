@@ -9,6 +9,7 @@ from pathlib import Path
 from gcodesim.cell.cell import Cell, LoadedCell
 from gcodesim.cell.own_code import CODE
 from gcodesim.cell.resolve import resolve
+from gcodesim.declarations.deep_value import DeepValue
 from gcodesim.declarations.files import InputFile, Shelf, folders_of_the_user
 from gcodesim.declarations.nodes import Mapping as MappingNode
 from gcodesim.declarations.nodes import Node, Scalar, compose
@@ -27,6 +28,7 @@ ROOT = Record(Cell, "the cell", lenient=True)
 class CellChange:
     """Keys that another file gives in place of those of a cell: `entries` of its `part`, from `source` in `folder`.
 
+    `values` are single ones, deep in the cell, each by its path; files that they name are seen from `home`.
     `left` are folders in which earlier set-ups left their stocks, by the names of these: `stock: {from: NAME}`.
     """
 
@@ -34,19 +36,26 @@ class CellChange:
     part: str
     folder: Path
     entries: tuple[tuple[Scalar, Node], ...] = ()
+    values: tuple[DeepValue, ...] = ()
+    home: Path | None = None
     left: Mapping[str, Path] = field(default_factory=dict)
 
-    def over(self, root: MappingNode) -> MappingNode:
-        """The keys of a cell with the changed ones."""
+    def over(self, root: MappingNode, to: Reading) -> MappingNode:
+        """The keys of a cell with the changed ones; a value without a place in it is a fault."""
         changed = {name.text for name, _ in self.entries}
         kept = tuple(entry for entry in root.entries if entry[0].text not in changed)
-        return replace(root, entries=(*kept, *self.entries))
+        root = replace(root, entries=(*kept, *self.entries))
+        for value in self.values:
+            root = value.put(root, to)
+        return root
 
-    def file(self) -> InputFile:
-        """The part as an input of a run; its hash is that of its own keys, with their places in the file."""
+    def files(self) -> tuple[InputFile, ...]:
+        """The part as an input of a run, if it changes anything; its hash is that of its keys, with their places."""
+        if not self.entries and not self.values:
+            return ()
         name = f"{self.source.name}#{self.part}"
-        own = SourceText(name, repr(self.entries).encode())
-        return InputFile(name=name, path=self.folder / self.source.name, sha256=own.sha256)
+        own = SourceText(name, repr((self.entries, self.values) if self.values else self.entries).encode())
+        return (InputFile(name=name, path=self.folder / self.source.name, sha256=own.sha256),)
 
 
 def load_cell(
@@ -82,17 +91,20 @@ def read_cell(
     if change is not None:
         shelf.allowed = (*shelf.allowed, change.folder)
         shelf.homes, shelf.left = {change.source.name: change.folder}, change.left
+        if change.home is not None:
+            shelf.homes |= {value.node.span.file: change.home for value in change.values}
+            shelf.allowed = (*shelf.allowed, change.home)
     to = Reading(file=source.name, findings=findings, shelf=shelf)
     root = compose(source, findings)
     if root is not None and change is not None:
-        root = change.over(root)
+        root = change.over(root, to)
     cell = None if root is None else _cell(root, to)
     own = InputFile(name=source.name, path=path, sha256=source.sha256)
     return LoadedCell(
         cell=None if findings.has_errors() else cell,
         findings=findings,
         sources={source.name: source, **shelf.sources, **({change.source.name: change.source} if change else {})},
-        files=(own, *((change.file(),) if change is not None and change.entries else ()), *shelf.files()),
+        files=(own, *(() if change is None else change.files()), *shelf.files()),
         path=path,
     )
 

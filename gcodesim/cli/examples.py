@@ -14,7 +14,7 @@ from typing import Final
 from gcodesim.cli.main import main
 
 FOLDER: Final = Path(str(files("gcodesim"))) / "data" / "examples"
-_VERDICT = re.compile(r"\S+: (?:\d+|no) errors?, |(?:\d+|none) failed")
+_VERDICT = re.compile(r"\S+: (?:\d+|no) errors?, |(?:\d+|none) failed|\S+: \d+ runs")
 
 
 def transcript_of(command: str, folder: Path) -> str:

@@ -32,6 +32,7 @@ COMMANDS = (
     "list",
     "process",
     "optimise",
+    "sweep",
     "schema",
     "completion",
     "mcp",

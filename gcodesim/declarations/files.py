@@ -58,7 +58,7 @@ class Shelf:
     runs_code: bool = False
     modules: list[str] = field(default_factory=list)
     packages: dict[str, Path] = field(default_factory=dict)
-    homes: Mapping[str, Path] = field(default_factory=dict)
+    homes: dict[str, Path] = field(default_factory=dict)
     left: Mapping[str, Path] = field(default_factory=dict)
     read: dict[str, InputFile] = field(default_factory=dict)
     sources: dict[str, SourceText] = field(default_factory=dict)

@@ -23,6 +23,9 @@ LINES_NAME: Final = "lines.csv"
 CELL_NAME: Final = "cell.yaml"
 SETUP_NAME: Final = "setup.json"
 SETUPS_NAME: Final = "setups.json"
+SWEEP_NAME: Final = "sweep.json"
+SWEEP_TABLES: Final = ("runs.csv", "runs.parquet")
+SWEEP_PAGE: Final = "sweep.html"
 TABLE_OF_READINGS: Final = "_readings.csv"
 STOCK_SUFFIXES: Final = (".stl", ".stock")
 SKIN_SUFFIX: Final = ".skin.ply"
@@ -36,6 +39,10 @@ _BEGINNINGS: Final[Mapping[str, tuple[tuple[int, bytes], ...]]] = {
     ".json": ((0, b'{\n "schema": "gcodesim-results/'),),
     SETUP_NAME: ((0, b'{\n "schema": "gcodesim-setup/'),),
     SETUPS_NAME: ((0, b'{\n "schema": "gcodesim-setups/'),),
+    SWEEP_NAME: ((0, b'{\n "schema": "gcodesim-sweep/'),),
+    SWEEP_TABLES[0]: ((0, b"run,"),),
+    SWEEP_TABLES[1]: ((0, b"PAR1"),),
+    SWEEP_PAGE: ((0, b'<!DOCTYPE html>\n<meta name="generator" content="gcodesim sweep">'),),
     ".csv": ((0, b"file,line,time_s,"),),
     TABLE_OF_READINGS: ((0, b"reading,time_s,"),),
     ".stl": ((0, b"gcodesim binary STL"),),
@@ -89,7 +96,7 @@ def names_of(
 
 def _kind_of(name: str) -> str:
     """How a name that gcodesim gives ends."""
-    if name in (SETUP_NAME, SETUPS_NAME):
+    if name in (SETUP_NAME, SETUPS_NAME, SWEEP_NAME, *SWEEP_TABLES, SWEEP_PAGE):
         return name
     long = (*FILM_SUFFIXES, SKIN_SUFFIX, TABLE_OF_READINGS)
     return next((suffix for suffix in long if name.endswith(suffix)), Path(name).suffix)

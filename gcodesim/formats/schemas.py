@@ -672,6 +672,37 @@ def _setups() -> Json:
     return document("setups.json, gcodesim run and check of a job", root, {"finding": finding(), "results": _results()})
 
 
+def _study() -> Json:
+    from gcodesim.sweep.study_file import study_schema
+
+    return study_schema()
+
+
+def _sweep() -> Json:
+    extremes = record(
+        "a figure over all runs that came to their end",
+        least=number("its least value"),
+        least_run=whole("the first run that has it"),
+        most=number("its greatest value"),
+        most_run=whole("the first run that has it"),
+    )
+    hashed = record("a file that was read", name=text("its name"), sha256=text("hash of its bytes"))
+    root = record(
+        "a sweep",
+        schema=choice("name of this form", "gcodesim-sweep/1"),
+        study=hashed,
+        total=whole("runs of the study"),
+        done=whole("of these, those that are done"),
+        failed=whole("runs beyond a limit, with a finding at or above --fail-on, or that stopped early"),
+        failing=array("the first of these, by number", whole("a run, from 0")),
+        codes=table("runs with an error or a warning, by its code", whole("how many", least=1)),
+        figures=table("figures by the name of their column", extremes),
+        findings=array("for each limit the run that is farthest beyond it", ref("finding", "a finding")),
+    )
+    root["properties"]["best"] = nullable(whole("of a search: the best run; null if none is within all limits"))
+    return document("sweep.json, gcodesim sweep --format json", root, {"finding": finding()})
+
+
 SCHEMAS: Final[dict[str, Callable[[], Json]]] = {
     "results": lambda: document(
         "results.json, gcodesim run and check --format json", _results(), {"finding": finding()}
@@ -689,6 +720,8 @@ SCHEMAS: Final[dict[str, Callable[[], Json]]] = {
     "cell": _cell,
     "test-file": _test_file,
     "job-file": _job_file,
+    "study": _study,
+    "sweep": _sweep,
 }
 """Schemas by name, as `gcodesim schema NAME` prints them."""
 

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from gcodesim.cell import LoadedCell, load_cell
 from gcodesim.cell.leftover import Leftover
+from gcodesim.cell.loader import CellChange
 from gcodesim.cell.verdict import suppressed_findings
 from gcodesim.diagnostics import Diagnostic, SourceText, Span
 from gcodesim.files.code_digest import code_digest
@@ -52,7 +53,10 @@ class SetupRun:
 
 @frozen(eq=False)
 class How:
-    """How all set-ups of a job run: `said` is what the command line says of reading, `only_check` without material."""
+    """How all set-ups of a job run: `said` is what the command line says of reading, `only_check` without material.
+
+    `change` gives single values in the cell of a set-up, by the name of that.
+    """
 
     options: Options
     out: Path | None = None
@@ -61,6 +65,7 @@ class How:
     allow_code: bool = False
     said: str = ""
     progress: Callable[[Progress], None] | None = None
+    change: Callable[[str, CellChange], CellChange] = lambda _, change: change
 
 
 def run_setups(job: JobFile, how: How) -> Iterator[SetupRun]:
@@ -78,7 +83,7 @@ def run_setups(job: JobFile, how: How) -> Iterator[SetupRun]:
             if setup.skip:
                 left[setup.name] = nothing
                 continue
-            change = setup.change(job.source, job.path.parent, dict(left))
+            change = how.change(setup.name, setup.change(job.source, job.path.parent, dict(left)))
             left[setup.name] = nothing
             name = _name_of_cell(setup, job)
             loaded = load_cell(setup.cell, how.allow_paths, name=name, allow_code=how.allow_code, change=change)

@@ -234,4 +234,28 @@ CODES: tuple[Code, ...] = (
         why="On the machine somebody has to bring the tool; the time of that is not counted.",
         remedy="Add the stand to `stands` of the magazine.",
     ),
+    Code(
+        code="GS630",
+        severity=Severity.ERROR,
+        title="Run beyond a limit of its study",
+        what="A figure of a run is on the side of a limit of `fail` on which it must not be.",
+        why="The study says that no part is to be made with such values.",
+        remedy="Keep to values whose runs stay within all limits: the table of the sweep has them.",
+    ),
+    Code(
+        code="GS631",
+        severity=Severity.ERROR,
+        title="Input that cannot travel",
+        what="A cell names a file by its absolute path.",
+        why="Runs of a study are done wherever there is a worker, and no disk is shared: files travel by their names.",
+        remedy="Put the file beside the cell, and name it relative to that.",
+    ),
+    Code(
+        code="GS632",
+        severity=Severity.ERROR,
+        title="Run that was not done",
+        what="Several workers died, one after the other, while they were doing this run.",
+        why="It probably needs more memory than a worker has.",
+        remedy="Give workers more memory or the stock a coarser resolution, then go on with --resume.",
+    ),
 )

@@ -1,0 +1,1 @@
+"""Sweeps: a program in a cell, many times, each time with other values; one row a run."""
