@@ -274,6 +274,7 @@ def _robot(robot: Robot) -> Mover:
         seen_whole=not isinstance(kinematics, Cartesian),
         description=robot.description,
         controller=robot.controller,
+        may_meet=robot.allow_collisions,
     )
 
 

@@ -17,6 +17,8 @@ from gcodesim.frozen import frozen
 Measure = Literal["length", "angle"]
 POSITIONS: Final = ("length", "angle")
 STIFFNESSES: Final = ("stiffness", "torsional stiffness")
+SPEEDS: Final = ("speed", "angular speed")
+ACCELERATIONS: Final = ("acceleration", "angular acceleration")
 JERKS: Final = ("jerk", "angular jerk")
 
 

@@ -9,7 +9,17 @@ from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 import numpy as np
 
-from gcodesim.cell.joints import JERKS, STIFFNESSES, JointList, JointValue, Measure, check_within, in_si
+from gcodesim.cell.joints import (
+    ACCELERATIONS,
+    JERKS,
+    SPEEDS,
+    STIFFNESSES,
+    JointList,
+    JointValue,
+    Measure,
+    check_within,
+    in_si,
+)
 from gcodesim.cell.models import shipped, shipped_chain
 from gcodesim.cell.placing import POINT, Place
 from gcodesim.controllers import CONTROLLERS, Controller
@@ -21,7 +31,7 @@ from gcodesim.declarations.kind import NOT_NEGATIVE, POSITIVE, Json, Kind
 from gcodesim.declarations.nodes import Node
 from gcodesim.declarations.plain_kinds import Choice, Text
 from gcodesim.declarations.quantity import Quantity
-from gcodesim.declarations.reading import UNREAD, Path, Reading, Unread
+from gcodesim.declarations.reading import UNREAD, Path, Reading, Unread, suggestion
 from gcodesim.declarations.record import Record
 from gcodesim.declarations.variant import Variant
 from gcodesim.frames import Pose
@@ -37,7 +47,11 @@ if TYPE_CHECKING:
 RIGID: Final = "rigid"
 _CONFIGURATION: Final = ListOf(Choice(WORDS, "a configuration"), single=True)
 _STIFFNESS_OF: Final[dict[Measure, str]] = {"angle": "torsional stiffness", "length": "stiffness"}
-_JERK_OF: Final[dict[Measure, str]] = {"angle": "angular jerk", "length": "jerk"}
+_LIMITS: Final[dict[str, dict[Measure, str]]] = {
+    "speed": {"angle": "angular speed", "length": "speed"},
+    "acceleration": {"angle": "angular acceleration", "length": "acceleration"},
+    "jerk": {"angle": "angular jerk", "length": "jerk"},
+}
 
 
 @frozen
@@ -85,10 +99,28 @@ class RobotForm:
         "stiffness of each gear, or `rigid`",
         default=None,
     )
+    speed: Any = key(
+        JointList(dimensions=SPEEDS, example="[300, 300, 320, 380, 400, 490 deg/s]"),
+        "greatest speed of each joint (default: as the description says)",
+        default=None,
+        quiet=True,
+    )
+    acceleration: Any = key(
+        JointList(dimensions=ACCELERATIONS, example="[900, 900, 1200, 1500, 1500, 1800 deg/s^2]"),
+        "greatest acceleration of each joint (assumed: full speed in 0.25 s)",
+        default=None,
+        quiet=True,
+    )
     jerk: Any = key(
         JointList(dimensions=JERKS, example="[6000, 6000, 6000, 12000, 12000, 12000 deg/s^3]"),
         "greatest change of acceleration of each joint (default: any)",
         default=None,
+        quiet=True,
+    )
+    allow_collisions: tuple[tuple[str, ...], ...] = key(
+        ListOf(ListOf(Text(form="the name of a link"))),
+        "pairs of its links that may meet, such as `[[link_1, link_3], [link_2, link_4]]`",
+        default=(),
         quiet=True,
     )
     payload: Payload | None = key(
@@ -156,8 +188,15 @@ class RobotForm:
             if isinstance(written, Unread):
                 return UNREAD
             stiffness = written
-        jerk = None if self.jerk is None else self._per_joint("jerk", self.jerk, _JERK_OF, measures, to, path)
-        if isinstance(jerk, Unread):
+        limits: dict[str, tuple[float, ...]] = {}
+        for name, dimension in _LIMITS.items():
+            values = getattr(self, name)
+            if values is not None:
+                read = self._per_joint(name, values, dimension, measures, to, path)
+                if isinstance(read, Unread):
+                    return UNREAD
+                limits[name] = read
+        if not self._pairs_exist(chain, to, (*path, "allow_collisions")):
             return UNREAD
         if self.base.frame is None:
             to.default((*path, "base", "in"), "world")
@@ -175,11 +214,12 @@ class RobotForm:
             urdf=None if self.urdf is None else self.urdf.name,
             flange=self.flange,
             description=description,
-            chain=chain if jerk is None else with_jerk(chain, jerk),
+            chain=with_limits(chain, limits),
             base=self.base,
             home=home,
             stiffness=stiffness,
-            jerk=jerk,
+            limits=limits,
+            allow_collisions=tuple((one, other) for one, other in self.allow_collisions),
             payload=self.payload,
             configuration=self.configuration,
             controller=self.controller,
@@ -199,6 +239,20 @@ class RobotForm:
             span = to.span((*path, name))
             return to.fault("GS706", span, f"`{name}` has {len(values)} entries; the robot has {len(measures)} joints")
         return in_si(values, [Quantity(dimension[m], POSITIVE) for m in measures], to)
+
+    def _pairs_exist(self, chain: Chain, to: Reading, path: Path) -> bool:
+        """Whether `allow_collisions` names two links of the chain each time."""
+        good = True
+        for index, pair in enumerate(self.allow_collisions):
+            if len(pair) != 2:
+                to.fault("GS706", to.span((*path, index)), f"a pair has two links, not {len(pair)}")
+                good = False
+            for name in pair:
+                if name not in chain.link_names:
+                    known = suggestion(name, chain.link_names)
+                    to.fault("GS712", to.span((*path, index)), f"`{chain.name}` has no link `{name}`", known)
+                    good = False
+        return good
 
     def _can_stand(self, chain: Chain, to: Reading, path: Path) -> bool:
         """Whether `configuration` means something for this arm."""
@@ -250,12 +304,14 @@ def measures_of(chain: Chain) -> tuple[Measure, ...]:
     return tuple("length" if kind == "prismatic" else "angle" for kind in chain.driven_joints.kinds)
 
 
-def with_jerk(chain: Chain, jerk: tuple[float, ...]) -> Chain:
-    """The chain with these limits of jerk (j,) [rad/s³, m/s³] on its driven joints."""
+def with_limits(chain: Chain, limits: Mapping[str, tuple[float, ...]]) -> Chain:
+    """The chain with these limits (j,) of speed, acceleration, jerk [rad, m, s] on its driven joints."""
     joints = list(chain.joints)
-    for index, value in zip(chain.driven, jerk, strict=True):
-        joints[index] = replace(joints[index], jerk=value)
-    return replace(chain, joints=tuple(joints))
+    for name, values in limits.items():
+        for index, value in zip(chain.driven, values, strict=True):
+            changed: dict[str, Any] = {name: value}
+            joints[index] = replace(joints[index], **changed)
+    return replace(chain, joints=tuple(joints)) if limits else chain
 
 
 @frozen
@@ -264,9 +320,10 @@ class Robot:
 
     `model` names a shipped one, else `urdf` is the file's name as written in the cell, and `flange` the link written
     there; `description` is where that file is, and `chain` its content. `home` [rad] or [m],
-    `stiffness` of the gears [N·m/rad] or [N/m], or None for rigid ones; `jerk` of its joints [rad/s³] or [m/s³] where
-    the cell says it; `configuration` names the branches on which it
-    has to be (None: all); `controller` is how its motors follow the command; `X_WB` is its base in the world.
+    `stiffness` of the gears [N·m/rad] or [N/m], or None for rigid ones; `limits` of its joints, speed, acceleration and
+    jerk [rad, m, s], where the cell says them; `allow_collisions` are links that may meet; `configuration` names the
+    branches on which it has to be (None: all); `controller` is how its motors follow the command; `X_WB` is its base
+    in the world.
     """
 
     axes: ClassVar[tuple[MachineAxis, ...]] = ()
@@ -284,7 +341,8 @@ class Robot:
     base: Place
     home: tuple[float, ...]
     stiffness: tuple[float, ...] | None
-    jerk: tuple[float, ...] | None
+    limits: Mapping[str, tuple[float, ...]]
+    allow_collisions: tuple[tuple[str, str], ...]
     payload: Payload | None
     configuration: tuple[str, ...] | None = None
     controller: Controller = Ideal()
@@ -359,9 +417,11 @@ class RobotKind(Kind):
         shown["base"] = Record(Place, "a place").show(value.base)
         shown["home"] = [Quantity(m).show(v) for m, v in zip(measures_of(value.chain), value.home, strict=True)]
         shown["stiffness"] = RIGID if value.stiffness is None else _show_stiffness(value)
-        if value.jerk is not None:
-            gears = [Quantity(_JERK_OF[m]) for m in measures_of(value.chain)]
-            shown["jerk"] = [gear.show(v) for gear, v in zip(gears, value.jerk, strict=True)]
+        for name, values in value.limits.items():
+            kinds = [Quantity(_LIMITS[name][m]) for m in measures_of(value.chain)]
+            shown[name] = [kind.show(v) for kind, v in zip(kinds, values, strict=True)]
+        if value.allow_collisions:
+            shown["allow_collisions"] = [list(pair) for pair in value.allow_collisions]
         if value.payload is not None:
             shown["payload"] = Record(Payload, "a payload").show(value.payload)
         if value.controller.law != "ideal":
@@ -377,8 +437,10 @@ class RobotKind(Kind):
         shown["joint_units"] = ["mm" if m == "length" else "deg" for m in measures]
         shown["home"] = [Quantity(m).plain(v)[1] for m, v in zip(measures, value.home, strict=True)]
         shown["stiffness_SI"] = None if value.stiffness is None else list(value.stiffness)
-        if value.jerk is not None:
-            shown["jerk_SI"] = list(value.jerk)
+        for name, values in value.limits.items():
+            shown[f"{name}_SI"] = list(values)
+        if value.allow_collisions:
+            shown["allow_collisions"] = [list(pair) for pair in value.allow_collisions]
         if value.payload is not None:
             shown["payload"] = Record(Payload, "a payload").plain(value.payload)[1]
         if value.controller.law != "ideal":

@@ -98,12 +98,22 @@ class MachineBodies:
 
     def pairs(self) -> list[tuple[int, int]]:
         """Bodies that may not meet, and that move against each other."""
+        allowed = self._allowed()
         return [
             (i, j)
             for j in range(len(self.bodies))
             for i in range(j)
             if may_meet_by_motion(self.bodies[i], self.bodies[j], self.tree)
+            and not (
+                self.bodies[i].role == self.bodies[j].role == "link"
+                and frozenset((self.bodies[i].carrier, self.bodies[j].carrier)) in allowed
+            )
         ]
+
+    def _allowed(self) -> frozenset[frozenset[int]]:
+        """Joints whose links the cell lets meet; what is fixed to a link is one body with it."""
+        names, carriers = self.mover.kinematics.link_names, self.tree.carrier
+        return frozenset(frozenset(int(carriers[names.index(name)]) for name in pair) for pair in self.mover.may_meet)
 
     def moving(self, bodies: Sequence[CarriedBody], pairs: Sequence[tuple[int, int]]) -> MovingBodies:
         """These bodies on the joints."""

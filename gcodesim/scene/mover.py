@@ -33,7 +33,8 @@ class Mover:
     where it depends on the pose. `timed_only` are joints whose place is unknown, so that they only take time.
     `seen_whole`: a viewer should see all of it beside the part; `lathe`: the work
     turns, about Z at X0 of its base. `description` is the file that describes it; `externals` are joints outside
-    of that, which have names of their own; `controller` is how its motors follow the command.
+    of that, which have names of their own; `controller` is how its motors follow the command;
+    `may_meet` are pairs of links that the cell lets touch each other.
     """
 
     name: str
@@ -50,6 +51,7 @@ class Mover:
     description: Path | None = None
     controller: Controller = field(default_factory=Ideal)
     externals: tuple[str, ...] = ()
+    may_meet: tuple[tuple[str, str], ...] = ()
 
     @property
     def joint_names(self) -> tuple[str, ...]:

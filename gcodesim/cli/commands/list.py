@@ -13,6 +13,7 @@ WHAT = (
     "controllers",
     "dialects",
     "exporters",
+    "importers",
     "kinematics",
     "machines",
     "materials",
@@ -60,6 +61,10 @@ def _rows(what: str) -> list[list[str]]:
         from gcodesim.export import EXPORTERS
 
         return [[name, EXPORTERS[name].says] for name in EXPORTERS]
+    if what == "importers":
+        from gcodesim.importers import IMPORTERS
+
+        return [[name, IMPORTERS[name].says] for name in IMPORTERS]
     if what == "posts":
         from gcodesim.post import LANGUAGES
 

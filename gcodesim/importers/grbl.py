@@ -1,0 +1,129 @@
+"""The settings that grbl lists at `$$` as a cell, with the offsets of `$#`. Facts: grbl 1.1, `settings.md`."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import ClassVar, Final
+
+from gcodesim.importers.axes import ImportedAxis, machine_lines, zero_lines
+from gcodesim.importers.importer import (
+    Imported,
+    Importer,
+    NoSettingsError,
+    Setting,
+    Settings,
+    heading,
+    number_in,
+    read_text,
+    written,
+)
+
+_LINE: Final = re.compile(r"\s*\$(\d+)\s*=\s*([^\s(;]+)")
+_OFFSET: Final = re.compile(r"\s*\[(G5[4-9]|G28|G30|G92|TLO|PRB):([^\]]*)\]")
+_LETTERS: Final = "XYZABC"
+_TRAVEL, _SPEED, _ACCELERATION = 130, 110, 120
+_PULL_OFF, _DIRECTIONS, _LASER, _FASTEST = "$27", "$23", "$32", "$30"
+
+_REASONS: Final = (
+    ("$100", "steps of the motor", False),
+    ("$101", "steps of the motor", False),
+    ("$102", "steps of the motor", False),
+    ("$103", "steps of the motor", False),
+    ("$11", "corners are passed by the law of the control with its usual deviation", True),
+    ("$12", "arcs are exact", False),
+    ("$20", "limits are always checked", False),
+    ("$21", "limit switches", False),
+    ("$22", "homing", False),
+    ("$24", "homing", False),
+    ("$25", "homing", False),
+    ("$26", "homing", False),
+    ("$31", "a cell has no least speed of a spindle", True),
+    ("$13", "units of reports", False),
+    ("$10", "reports", False),
+)
+_EXACT: Final = ("$10", "$11", "$12", "$13")
+
+
+class Grbl(Importer):
+    """`import grbl settings.txt`."""
+
+    kind: ClassVar[str] = "grbl"
+    says: ClassVar[str] = "the list of settings of `$$`, with that of `$#` behind it: travel, speeds, spindle, laser"
+
+    def read(self, path: Path, folder: Path) -> Imported:
+        settings = Settings(list(_settings(path)))
+        if not any(setting.name == f"${_SPEED}" for setting in settings.all):
+            raise NoSettingsError(f"{path} has no ${_SPEED}: it is no list of the settings of grbl")
+        axes = dict(_axes(settings))
+        if not axes:
+            raise NoSettingsError(f"{path} gives no axis a speed and a travel")
+        lines = [*heading(path, "the settings of a grbl control"), "dialect: grbl", *machine_lines(axes)]
+        lines += _offsets(settings) or list(zero_lines(axes))
+        lines += _spindle(settings)
+        taken, left = settings.finished(_reasons(settings))
+        return Imported(what="list of settings of grbl", lines=tuple(lines), taken=taken, left=left)
+
+
+def _settings(path: Path) -> Iterator[Setting]:
+    for number, line in enumerate(read_text(path).splitlines(), start=1):
+        if found := _LINE.match(line):
+            yield Setting(f"${found[1]}", found[2], path.name, number)
+        elif offset := _OFFSET.match(line):
+            yield Setting(offset[1], offset[2], path.name, number)
+        elif line.strip() and not re.match(r"\s*(ok|Grbl|>|\[MSG|\[HLP|\[VER|\[OPT|<|\$[$#I]|;|\()", line):
+            yield Setting(line.strip(), "", path.name, number)
+
+
+def _axes(settings: Settings) -> Iterator[tuple[str, ImportedAxis]]:
+    """Machine zero is where the axes are after homing, and everything else lies on the negative side."""
+    towards = int(settings.number(_DIRECTIONS) or 0)
+    pull = settings.number(_PULL_OFF) or 0.0
+    for index, letter in enumerate(_LETTERS):
+        speed, travel = settings.number(f"${_SPEED + index}"), settings.number(f"${_TRAVEL + index}")
+        change = settings.number(f"${_ACCELERATION + index}")
+        if not speed or not travel:
+            continue
+        low = -abs(travel)
+        home = low + pull if towards >> index & 1 else -pull
+        yield (
+            letter,
+            ImportedAxis(
+                letter=letter,
+                lower=low,
+                upper=0.0,
+                speed=speed / 60.0,
+                acceleration=change or None,
+                home=min(0.0, max(low, home)),
+            ),
+        )
+
+
+def _offsets(settings: Settings) -> list[str]:
+    """Work systems as `$#` lists them."""
+    systems = []
+    for number in range(4, 10):
+        found = settings.last(f"G5{number}")
+        if found is None:
+            continue
+        values = [number_in(part) for part in found.value.split(",")]
+        if len(values) < 3 or None in values:
+            settings.leave(found, "no three numbers", matters=True)
+            continue
+        systems.append(f"G5{number}: {{xyz: [{', '.join(written(v) for v in values[:3] if v is not None)} mm]}}")
+    return [f"work_offsets: {{{', '.join(systems)}}}"] if systems else []
+
+
+def _spindle(settings: Settings) -> list[str]:
+    fastest = settings.number(_FASTEST)
+    if settings.number(_LASER):
+        return [f"laser_mode: {written(fastest or 1000.0)}"]
+    return [f"limits: {{spindle_speed: {written(fastest)} rpm}}"] if fastest else []
+
+
+def _reasons(settings: Settings) -> list[tuple[str, str, bool]]:
+    """The reasons by whole names: $10 is not $100."""
+    whole = {setting.name for setting in settings.all}
+    exact = [entry for entry in _REASONS if entry[0] in whole and entry[0] in _EXACT]
+    return [entry for entry in _REASONS if entry[0] not in _EXACT] + exact

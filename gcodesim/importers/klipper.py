@@ -1,0 +1,99 @@
+"""A printer.cfg of Klipper as a cell. Facts: Klipper, `docs/Config_Reference.md`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import ClassVar, Final
+
+from gcodesim.importers.axes import ImportedAxis
+from gcodesim.importers.importer import Imported, Importer, NoSettingsError, Settings, heading
+from gcodesim.importers.ini_file import read_klipper_config
+from gcodesim.importers.printer import printer_lines
+
+_CARTESIAN: Final = ("cartesian", "corexy", "corexz", "hybrid_corexy", "hybrid_corexz", "none")
+_ROUND: Final = ("delta", "rotary_delta", "polar", "deltesian", "winch")
+_MOST_NOZZLES: Final = 16
+
+_REASONS: Final = (
+    ("[gcode_macro", "a macro: a program that calls it has to say what it does", True),
+    ("[delayed_gcode", "a macro", True),
+    ("[homing_override", "homing", False),
+    ("[include", "the file is not there", True),
+    (
+        "[printer]SQUARE_CORNER_VELOCITY",
+        "corners are passed at the usual 5 mm/s: SET_VELOCITY_LIMIT in the program",
+        True,
+    ),
+    ("[printer]MAX_ACCEL_TO_DECEL", "as the control has it by itself: SET_VELOCITY_LIMIT in the program", True),
+    ("[printer]MINIMUM_CRUISE_RATIO", "as the control has it by itself: SET_VELOCITY_LIMIT in the program", True),
+    ("[extruder]PRESSURE_ADVANCE", "filament is not squeezed: SET_PRESSURE_ADVANCE is not simulated", True),
+    ("[extruder]MAX_EXTRUDE", "the extruder has the limits that Klipper has by itself", True),
+    ("[input_shaper", "vibrations are not simulated", False),
+    ("[bed_mesh", "the bed is flat", False),
+    ("[heater", "heat is not simulated", False),
+    ("[extruder", "motor, heater and sensor of the extruder", False),
+    ("[stepper", "motor and endstop", False),
+    ("[fan", "heat is not simulated", False),
+    ("[mcu", "electronics", False),
+    ("[tmc", "electronics", False),
+)
+
+
+class Klipper(Importer):
+    """`import klipper printer.cfg`."""
+
+    kind: ClassVar[str] = "klipper"
+    says: ClassVar[str] = "a printer.cfg: travel, speeds, accelerations, nozzles, filament"
+
+    def read(self, path: Path, folder: Path) -> Imported:
+        settings = Settings(read_klipper_config(path))
+        kinematics = settings.text("[printer]kinematics").lower()
+        if not kinematics:
+            raise NoSettingsError(f"{path} has no [printer] with kinematics: it is no configuration of Klipper")
+        axes = _axes(settings, kinematics)
+        if kinematics not in _CARTESIAN and (found := settings.last("[printer]kinematics")) is not None:
+            settings.leave(found, "the carriages are not simulated: axes move as a program sees them", matters=True)
+        nozzles: dict[int, tuple[float, float | None]] = {}
+        for number in range(_MOST_NOZZLES):
+            section = f"[extruder{number or ''}]"
+            nozzle = settings.number(f"{section}nozzle_diameter")
+            filament = settings.number(f"{section}filament_diameter")
+            if nozzle:
+                nozzles[number] = (nozzle, filament)
+        lines = [*heading(path, "the configuration of Klipper"), *printer_lines("klipper", axes, nozzles)]
+        taken, left = settings.finished(_REASONS)
+        return Imported(what="configuration of Klipper", lines=tuple(lines), taken=taken, left=left)
+
+
+def _axes(settings: Settings, kinematics: str) -> dict[str, ImportedAxis]:
+    speed, change = settings.number("[printer]max_velocity"), settings.number("[printer]max_accel")
+    if not speed or not change:
+        raise NoSettingsError("[printer] needs max_velocity and max_accel")
+    z_speed = settings.number("[printer]max_z_velocity") or speed
+    z_change = settings.number("[printer]max_z_accel") or change
+    axes: dict[str, ImportedAxis] = {}
+    for letter in "XYZ":
+        low, high = _travel(settings, letter, kinematics)
+        axes[letter] = ImportedAxis(
+            letter=letter,
+            lower=low,
+            upper=high,
+            speed=min(speed, z_speed) if letter == "Z" else speed,
+            acceleration=min(change, z_change) if letter == "Z" else change,
+        )
+    return axes
+
+
+def _travel(settings: Settings, letter: str, kinematics: str) -> tuple[float, float]:
+    """Least and greatest place [mm]; of a delta, the circle that it prints on."""
+    if kinematics in _ROUND:
+        radius = settings.number("[printer]print_radius") or settings.number("[printer]delta_radius") or 100.0
+        top = settings.number("[stepper_a]position_endstop") or 2.0 * radius
+        least = settings.number("[printer]minimum_z_position") or 0.0
+        return (least, top) if letter == "Z" else (-radius, radius)
+    section = f"[stepper_{letter.lower()}]"
+    low = settings.number(f"{section}position_min") or 0.0
+    high = settings.number(f"{section}position_max")
+    if high is None or high <= low:
+        raise NoSettingsError(f"{section} has no position_max above {low:g}")
+    return low, high
