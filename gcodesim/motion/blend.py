@@ -1,10 +1,10 @@
 """How rows of a path are joined: exact stops, exact paths, corner arcs, overlaps, merged chords.
 
 The rules are those of LinuxCNC's planner: G61.1 stands at every end point; G61
-passes joints that are tangent or nearly so; G64 P puts an arc into corners of
-lines, and where none fits (a reversal, rotary axes, arcs) the end of one block
-overlaps with the start of the next. With P or Q, chords within that distance
-of one line become one line.
+passes joints that are tangent or nearly so and stands at all others; G64 P puts an
+arc into corners of lines, and where none fits (a reversal, rotary axes, arcs) the
+end of one block overlaps with the start of the next. With P or Q, chords within
+that distance of one line become one line.
 """
 
 from __future__ import annotations

@@ -288,14 +288,14 @@ def corners(
             reduction[i + 1] = max(reduction[i + 1], kink * reach)
             continue
         kink_speed = KINK_SHARE / kink
-        kind = PASS
+        kind = STAND  # G61 passes only what is as good as tangent
         if blended[i]:
             kind = round_corner(
                 i, cosine, reach, kink_speed, tolerance, tangents, axis_limits, curves, joints, room
             )
         joints.kind[i] = kind
-        if kind == PASS:
-            joints.cap[i] = kink_speed
+        if kind in (STAND, PASS):
+            joints.cap[i] = kink_speed if kind == PASS else 0.0
             reduction[i] = KINK_SHARE
             reduction[i + 1] = KINK_SHARE
 

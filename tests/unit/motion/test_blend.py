@@ -48,13 +48,23 @@ def test_exact_stop_stands_at_each_end() -> None:
     assert not pieces.joint.any()
 
 
-def test_exact_path_passes_tangents_and_nearly_stands_at_corners() -> None:
+def test_exact_path_passes_tangents_and_stands_at_corners() -> None:
     pieces = joined(mode("exact_path"), line(0.1), line(0.2), line(0.2, 0.1))
 
     assert pieces.junction[0] > 1.0
-    # the step of direction of a right angle takes a tenth of the acceleration for a millisecond
-    assert pieces.junction[1] == pytest.approx(0.1 * 1e-3 * 3.0)
+    assert pieces.junction[1] == 0.0
+    # the planner keeps back what a step of direction may take, though it stands there
     assert pieces.acceleration == pytest.approx([3.0, 2.7, 2.7])
+
+
+def test_exact_path_stands_between_chords_whose_turn_takes_more_than_a_tenth_of_the_acceleration() -> None:
+    """A turn by w at speed v asks for w v within a millisecond: 0.3 m/s² are a tenth, so w = 0.003 at 0.1 m/s."""
+    below, above = 0.0029, 0.0031
+    small = joined(mode("exact_path"), line(0.1), line(0.2, 0.1 * below))
+    large = joined(mode("exact_path"), line(0.1), line(0.2, 0.1 * above))
+
+    assert small.junction[0] > 1.0
+    assert large.junction[0] == 0.0
 
 
 def test_a_corner_arc_is_tangent_and_within_tolerance() -> None:
