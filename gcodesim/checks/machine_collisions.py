@@ -210,7 +210,7 @@ class _Check:
         """Pairs of the machine itself that are in each other where the way begins: so it was drawn."""
         from gcodesim.checks.meetings import JointWay
 
-        own = [pair for pair in pairs if _is_self(bodies[pair[0]], bodies[pair[1]])]
+        own = [pair for pair in pairs if of_machine_itself(bodies[pair[0]], bodies[pair[1]])]
         met = self.machine.moving(bodies, own).search(JointWay.straight(way.q[:1]))
         return [(meeting.first, meeting.second) for meeting in met]
 
@@ -232,7 +232,7 @@ class _Check:
         gap = max(meeting.gap, 0.0) / MM
         return Diagnostic(
             code="GS308",
-            message=f"{_words(one)} passes {_object(other)} at {gap:.3f} mm, less than {clearance / MM:g} mm, "
+            message=f"{body_in_words(one)} passes {_object(other)} at {gap:.3f} mm, less than {clearance / MM:g} mm, "
             f"with the tip at {self._tip_words(stretch, share)}",
             span=self.plan.path.span(self._way.row(stretch)),
             hint="keep more distance, or change `clearance` under `limits`",
@@ -261,7 +261,7 @@ class _Check:
         depth = -meeting.gap / MM
         return Diagnostic(
             code=code,
-            message=f"{_words(one)} hits {_object(other)}, {depth:.3f} mm deep, "
+            message=f"{body_in_words(one)} hits {_object(other)}, {depth:.3f} mm deep, "
             f"first with the tip at {self._tip_words(stretch, meeting.share)}",
             span=self.plan.path.span(way.row(stretch)),
             hint=_HINTS[code],
@@ -273,7 +273,7 @@ class _Check:
         )
 
 
-def _is_self(one: CarriedBody, other: CarriedBody) -> bool:
+def of_machine_itself(one: CarriedBody, other: CarriedBody) -> bool:
     """Whether both belong to the machine: links, tools, and what is fixed to a link beside another one."""
     return {one.role, other.role} <= {"link", "tool", "holder"} or (
         "link" in (one.role, other.role) and min(one.carrier, other.carrier) >= 0
@@ -292,14 +292,15 @@ def _code(one: CarriedBody, other: CarriedBody) -> str:
     return "GS305" if "fixture" in roles else SELF
 
 
-def _words(body: CarriedBody) -> str:
+def body_in_words(body: CarriedBody) -> str:
+    """A body as messages name it."""
     if body.part:
         return f"{body_part(body.part).words} of {body.rigid.name}"
     return f"`{body.rigid.name}`" if body.role == "link" else body.rigid.name
 
 
 def _object(body: CarriedBody) -> str:
-    return f"stock `{body.rigid.name}` as it is at the start" if body.role == "stock" else _words(body)
+    return f"stock `{body.rigid.name}` as it is at the start" if body.role == "stock" else body_in_words(body)
 
 
 def _once_a_block(findings: Iterable[Diagnostic]) -> list[Diagnostic]:

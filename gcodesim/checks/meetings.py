@@ -159,6 +159,16 @@ class MovingBodies:
             )
         return meetings
 
+    def touching(self, q: Array) -> NDArray[np.int64]:
+        """Which of the pairs is the first whose bodies are in each other at joints q (n, j), for each row; −1: none."""
+        from gcodesim.checks.posture_kernels import touching
+
+        if not len(self.pairs) or not len(q):
+            return np.full(len(q), -1, dtype=np.int64)
+        scene, walk, rooms = self._room(JointWay(np.ascontiguousarray(q, dtype=float), np.zeros((0, q.shape[1]))))
+        found: NDArray[np.int64] = touching(self._roots, -TOUCH, scene, walk, rooms)
+        return found
+
     def least_gap(self, way: JointWay, *, tolerance: float = 5e-6) -> float:
         """The least gap [m] of all pairs on the way, inf without pairs; where bodies meet, some number not above 0.
 

@@ -45,6 +45,7 @@ if TYPE_CHECKING:
     from gcodesim.cell.signals import SignalSource
     from gcodesim.checks.contact import Contact
     from gcodesim.checks.machine_collisions import MachineChecks
+    from gcodesim.checks.postures import Postures
     from gcodesim.executor.halt import Halt
     from gcodesim.jobs.job import Job
 
@@ -70,7 +71,7 @@ class Legs:
         self._question: canon.ProbeMove | canon.Input | None = None
         self._reply: canon.Answer | None = None
         self._read = self._ended = False
-        self._posing = posing_of(job.shop)
+        self._posing = posing_of(job.shop, self._obstacles())
         self._at: Array = job.shop.home
         self._step_ns = job.cell.simulation.step_ns
         self._steps = 0  # of all legs so far
@@ -259,6 +260,14 @@ class Legs:
         machine = MachineBodies.of(shop.scene, shop.name)
         limits = shop.cell.limits
         return MachineChecks(machine, shop.cell.tools, shop.X_BM, limits.clearance, apart=limits.apart)
+
+    def _obstacles(self) -> Postures | None:
+        """What an arm may hit; a machine whose joints are its axes has nothing to choose."""
+        if self.shop.mover.joints_are_axes:
+            return None
+        from gcodesim.checks.postures import Postures
+
+        return Postures.of(self._machine_checks, self.shop.home)
 
     def _backs_off(self, hit: Diagnostic) -> bool:
         """Whether a tool is only on its way out of what it has probed."""

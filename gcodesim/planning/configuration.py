@@ -14,8 +14,10 @@ import numpy as np
 
 from gcodesim.frames import Array
 from gcodesim.frozen import frozen
+from gcodesim.planning.arm_kernels import joint_rates
 from gcodesim.planning.ladder import Passage, Rungs, rungs_of
 from gcodesim.planning.ladder_kernels import ENDLESS, TURN, Rails, earliest, link, shortest, trace, widest
+from gcodesim.planning.spin_choice import REGULAR
 
 if TYPE_CHECKING:
     from gcodesim.kinematics.protocol import Kinematics
@@ -25,18 +27,22 @@ _BESIDE: Final = 4  # spins on each side of the last best one in a refinement
 _WITHIN: Final = (1.0, 1.0, 0.5, 0.25)  # steps of the grid, within which each refinement looks
 _SAME: Final = 1e-6  # [rad, m] between joints that count as the same
 START_SHARE: Final = 0.02  # of the squared way from where the arm stands to where a cut begins, in the cost of the cut
+_HALF_METRE: Final = 0.5  # [m] that count as one radian
+_NEAR: Final = 0.25  # [rad²] that a pose on a singularity costs
 _SHARE: Final = 0.98  # of the best margin that the way which keeps clear has; of those the shortest is taken
 
 
 class Hindrance(StrEnum):
     """Why a pose is not reached.
 
-    REACH: no joints put the tool there. LIMIT: such joints exist, but none within limits. WAY: there are some within
-    limits, but no continuous way leads to them from the start.
+    REACH: no joints put the tool there. LIMIT: such joints exist, but none within limits. COLLISION: the arm would hit
+    something, there or on every way to there. WAY: there are some within limits that hit nothing, but no continuous
+    way leads to them from the start.
     """
 
     REACH = "reach"
     LIMIT = "limit"
+    COLLISION = "collision"
     WAY = "way"
 
 
@@ -88,7 +94,10 @@ def search(
     rungs = rungs_of(kinematics, cut, grid(cut, spins), branches)
     rails = link(rungs.ladder, cut.step, False)
     prefix, first, last = earliest(rungs.ladder, rails)
-    obstacle = None if prefix == len(cut) else obstacle_at(rungs, prefix)
+    obstacle = None
+    if prefix < len(cut):
+        run = (prefix, first, last)
+        obstacle = hindrance(kinematics, cut, rungs, prefix, run, spins=spins, branches=branches)
     if prefix == 0:
         return Configuration(prefix=0, stretch=(first, last), clear=None, short=None, obstacle=obstacle)
     if obstacle is not None:
@@ -125,7 +134,8 @@ def even_way(
 ) -> LadderWay | None:
     """The way through `cut` on which joints move most evenly, beginning near joints `start` (j,); None: there is none.
 
-    It keeps `margin` [rad, m] from limits, or nearly the best one where that is less.
+    It goes round singularities where the way round is not long, and keeps `margin` [rad, m] from limits, or nearly the
+    best one where that is less.
     """
     way: LadderWay | None = None
     for steps in (None, *_WITHIN) if cut.free else (None,):
@@ -137,8 +147,26 @@ def even_way(
         best = widest(rungs.ladder, rails)
         if best < 0.0:
             return None
+        rails.way[: rails.first[-1]] += np.repeat(_toll(kinematics, rungs.ladder.q), np.diff(rails.first))
         way = way_with(rungs, rails, min(_SHARE * best, margin), start)
     return way
+
+
+def _toll(kinematics: Kinematics, q: Array) -> Array:
+    """What joints (n, j) cost besides the way to them [rad²], because they are near a singularity.
+
+    How near tells 1 / |J⁻¹|, lengths in half metres, which is at most the least gain of the Jacobian.
+    """
+    J = np.ascontiguousarray(kinematics.jacobian(q))
+    J[:, :3] /= _HALF_METRE
+    square = np.zeros(len(q))
+    axes = np.eye(6)
+    for k in range(0, 6, 2):
+        for rates in joint_rates(J, np.tile(axes[k], (len(q), 1)), np.tile(axes[k + 1], (len(q), 1))):
+            square += np.sum(rates * rates, axis=1)
+    short = np.maximum(1.0 - 1.0 / (REGULAR * np.sqrt(square)), 0.0)
+    toll: Array = _NEAR * short * short
+    return toll
 
 
 def _spins_beside(way: LadderWay, apart: float) -> Array:
@@ -156,11 +184,31 @@ def on_branches(kinematics: Kinematics, X_BF: Array, q: Array, branches: tuple[i
     return bool(here[:, [b for b in branches if b < here.shape[1]]].any(axis=1).all())
 
 
-def obstacle_at(rungs: Rungs, pose: int) -> Hindrance:
-    """Why `pose`, the first that is not reached from the start, is not."""
+def hindrance(
+    kinematics: Kinematics,
+    cut: Passage,
+    rungs: Rungs,
+    pose: int,
+    run: tuple[int, int, int],
+    *,
+    spins: int,
+    branches: tuple[int, ...] | None,
+) -> Hindrance:
+    """Why `pose`, the first one beyond what can be `run`, is not reached.
+
+    `run`: how many poses from the start on, and the first and last of the longest part, as `earliest` says of `rungs`.
+    """
     if not rungs.in_reach[pose]:
         return Hindrance.REACH
-    return Hindrance.WAY if rungs.counts[pose] else Hindrance.LIMIT
+    if not rungs.counts[pose]:
+        return Hindrance.COLLISION if rungs.within[pose] else Hindrance.LIMIT
+    if cut.around is None:
+        return Hindrance.WAY
+    bare = cut.without_obstacles()
+    ladder = rungs_of(kinematics, bare, grid(bare, spins), branches).ladder
+    prefix, first, last = earliest(ladder, link(ladder, cut.step, False))
+    farther = prefix > run[0] if pose == run[0] else last - first > run[2] - run[1]
+    return Hindrance.COLLISION if farther else Hindrance.WAY
 
 
 def refined(

@@ -21,6 +21,7 @@ from gcodesim.planning.flange_poses import flange_poses, turned, unbent
 from gcodesim.planning.guide import CHOSEN, Guide, Outside
 from gcodesim.planning.ladder import Rungs, turns_of
 from gcodesim.planning.ladder_kernels import ENDLESS, LIMITED, LINEAR, SLACK, TURN, Ladder, link, widest
+from gcodesim.planning.obstacles import Numbers, Obstacles
 from gcodesim.planning.spin_along import SpinAlong
 
 if TYPE_CHECKING:
@@ -100,10 +101,12 @@ def choose_places(
     home: Array,
     held: bool,
     branches: tuple[int, ...] | None,
+    obstacles: Obstacles | None = None,
 ) -> ChosenPlaces:
     """Places for the poses of `probe`, whose origins and axes are in the work.
 
-    `home` (j,) is where all joints stand first; with `held` the chosen axes begin there.
+    `home` (j,) is where all joints stand first; with `held` the chosen axes begin there. They keep clear of `obstacles`
+    where they can.
     """
     outside = guide.outside
     assert outside is not None
@@ -113,11 +116,16 @@ def choose_places(
     knots: list[NDArray[np.int64]] = []
     total = max(len(values), 1)
     before = home[outside.assembly.externals], home[outside.assembly.own]
+    tools = np.array([state.tool for state in path.states], dtype=np.int64)[path.state[probe.row]]
     for k, (a, b) in enumerate(probe.chains):
         share[a:b] = _shares(path, probe.row[a:b], probe.share[a:b])
         chosen = distinct(np.rint(np.linspace(a, b - 1, max(_RUNGS * (b - a) // total, _FEWEST))).astype(np.int64))
-        search = _Search(probe, guide, values, chosen, spin, branches)
-        found = search.best(before, pinned=held and k == 0)
+        found = None
+        for avoided in dict.fromkeys((obstacles, None)):
+            search = _Search(probe, guide, values, chosen, spin, branches, avoided, tools)
+            found = search.best(before, pinned=held and k == 0)
+            if found is not None:
+                break
         knots.append(chosen if found is not None else chosen[:1])
         if found is None:
             continue  # what the arm does not reach from anywhere is told by its own search
@@ -151,9 +159,12 @@ class _Search:
         chosen: NDArray[np.int64],
         spin: float | None,
         branches: tuple[int, ...] | None,
+        obstacles: Obstacles | None,
+        tools: Numbers,
     ) -> None:
         assert guide.outside is not None
         self.guide, self.outside, self.branches = guide, guide.outside, branches
+        self.obstacles, self.tools = obstacles, tools[chosen]
         self.rows = probe.row[chosen]
         self.p, self.R = probe.p_BO[chosen], probe.R_BO[chosen]
         self.bend = None if probe.bend is None else probe.bend[chosen]
@@ -229,6 +240,11 @@ class _Search:
         whole = np.array(list(np.ndindex(*turns)), dtype=np.int64)
         every = np.repeat(np.repeat(values, s, axis=0)[:, None], q.shape[1], axis=1)
         joined = np.concatenate([every, q], axis=2).reshape(r, -1, e + q.shape[2])
+        within = inside.reshape(r, -1).any(axis=1)
+        if self.obstacles is not None:
+            every_joint = assembly.together(q[inside], every[inside])
+            pose = np.nonzero(inside)[0] // (c * s)
+            inside[inside] = ~self.obstacles.hit(every_joint, self.tools[pose])
         here = inside.reshape(r, -1)
         first = np.zeros(r + 1, dtype=np.int64)
         np.cumsum(here.sum(axis=1), out=first[1:])
@@ -242,4 +258,4 @@ class _Search:
             whole=np.ascontiguousarray(np.concatenate([np.zeros((len(whole), e), dtype=np.int64), whole], axis=1)),
         )
         spin = np.broadcast_to(self.spins[None, :, None], (r * c, s, q.shape[1])).reshape(r, -1)[here]
-        return Rungs(ladder, spin, np.any(exists.reshape(r, -1), axis=1)), values
+        return Rungs(ladder, spin, np.any(exists.reshape(r, -1), axis=1), within), values

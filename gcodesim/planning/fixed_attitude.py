@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Final, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.arithmetic.distinct import distinct
 from gcodesim.arithmetic.matrices import multiplied
 from gcodesim.canon import Axes
 from gcodesim.diagnostics import Findings
@@ -28,7 +29,7 @@ from gcodesim.motion.tool_path import HOME, Commanded, ToolPath
 from gcodesim.planning.arm_caps import ArmCaps
 from gcodesim.planning.arm_joints import ArmJoints
 from gcodesim.planning.axis_posing import offsets
-from gcodesim.planning.configuration import on_branches
+from gcodesim.planning.configuration import Hindrance, on_branches
 from gcodesim.planning.external_choice import ChosenPlaces, choose_places
 from gcodesim.planning.flange import Flange
 from gcodesim.planning.flange_poses import spin_of
@@ -37,6 +38,7 @@ from gcodesim.planning.joint_moves import SHORTEST, JointMove
 from gcodesim.planning.joint_rows import JointRows, with_joint_rows
 from gcodesim.planning.loads import Loads, Slowing
 from gcodesim.planning.nodes import Nodes
+from gcodesim.planning.obstacles import Around, Obstacles
 from gcodesim.planning.plan import JointPath
 from gcodesim.planning.posing import Posed
 from gcodesim.planning.reach import report_poses, report_slow_motors
@@ -54,6 +56,7 @@ if TYPE_CHECKING:
 Solved: TypeAlias = tuple[Nodes, Array, NDArray[np.uint8]]  # nodes, joints (k, j) and status (k,) at them
 
 _REFINEMENTS: Final = 3
+_LOOKS: Final = 400  # nodes at which is looked whether the arm hits anything
 _CLOSER: Final = 2e-3  # [m, rad] between nodes to begin with, where more than the tip moves the flange
 _REACH: Final = 1  # statuses of the inverse kinematics that leave the path
 _FLIP: Final = 4
@@ -79,6 +82,8 @@ class FixedAttitude:
 
     `bends` are X_NF (4, 4) of bent tools by their numbers: what is said above of the flange holds for their nose N.
     `held_bend` is that of the tool with which a leg goes on. With `stands` the arm drives for its tool changes.
+
+    Spin, configuration and chosen external axes keep clear of `obstacles` where they can.
     """
 
     frames: Mapping[int, Array] = field(default_factory=dict)
@@ -98,6 +103,7 @@ class FixedAttitude:
     bends: Mapping[int, Array] = field(default_factory=dict)
     held_bend: Array | None = None
     stands: Stands | None = None
+    obstacles: Obstacles | None = None
 
     @property
     def understands(self) -> frozenset[Commanded]:
@@ -139,7 +145,8 @@ class FixedAttitude:
         if bend is not None and len(bend):
             at_start = multiplied(at_start, bend[0, :3, :3].T)
         near = spin_of(at_start, R_BO[0] if len(path) else self.upright)
-        choice = choose_spin(arm, probe, own, near, self.spin)
+        around = Around.on_rows(self.obstacles, path, probe.row) if self.outside is None else None
+        choice = choose_spin(arm, probe, own, near, self.spin, around)
         limits = choice.limits if guide is None else _with_words(choice.limits, guide, kinematics.joints)
         path = self._in_the_work(path)
         soft = bool(np.isfinite(kinematics.joints.jerk).any())
@@ -153,7 +160,7 @@ class FixedAttitude:
         begun = Nodes.of(pieces, at_home) if guide is None else Nodes.of(pieces, at_home, _CLOSER)
         solved = _solve(arm, flange, begun, choice, own)
         part = ""
-        if not self._will_do(arm, flange, *solved):
+        if not self._will_do(arm, flange, *solved) or self._hit(flange, *solved) is not None:
             flange, solved, choice, part = self._searched(arm, flange, begun, choice, own, solved, findings)
         for refinement in range(_REFINEMENTS):
             nodes, q_own, status = solved
@@ -201,7 +208,14 @@ class FixedAttitude:
             return None
         work = SampledPath.of(rows, R_BO, replace(guide, outside=None), bend)
         chosen = choose_places(
-            rows.path, work, guide, spin=self.spin, home=home, held=self.held is not None, branches=self.branches
+            rows.path,
+            work,
+            guide,
+            spin=self.spin,
+            home=home,
+            held=self.held is not None,
+            branches=self.branches,
+            obstacles=self.obstacles,
         )
         p, R = guide.from_arm(work.p_BO, work.R_BO, work.row, chosen.values)
         return replace(work, p_BO=p, R_BO=R), chosen
@@ -259,6 +273,18 @@ class FixedAttitude:
             return False
         return self.branches is None or on_branches(kinematics, flange.at(nodes.piece, nodes.s), q, self.branches)
 
+    def _hit(
+        self, flange: Flange, nodes: Nodes, q: Array, status: NDArray[np.uint8]
+    ) -> tuple[str, str] | None:
+        """What hits what first at some of the nodes; None: nothing, as far as is known."""
+        some = distinct(np.rint(np.linspace(0, len(nodes) - 1, min(len(nodes), _LOOKS))).astype(np.int64))
+        around = Around.at(self.obstacles, flange, nodes.piece[some], nodes.s[some]) if len(nodes) else None
+        if around is None:
+            return None
+        hits = around.hit(q[some], np.arange(len(some))) & ~_is_bad(status[some])
+        first = int(np.argmax(hits))
+        return around.pair(q[some[first]], first) if hits[first] else None
+
     def _searched(
         self,
         kinematics: Kinematics,
@@ -271,27 +297,42 @@ class FixedAttitude:
     ) -> tuple[Flange, Solved, SpinChoice, str]:
         """Flange, joints and where they begin, by the search over all configurations.
 
-        Where there is none, they are as they were, and the text says which part of the path can be run.
+        It keeps clear of obstacles, or else passes through them. Where there is no way, they are as they were, and the
+        text says which part of the path can be run.
         """
         free = self.spin is None
         straight = flange.unturned() if free else flange
         dense = simple[0] if len(simple[0]) > len(nodes) else nodes
-        chains = 0
-        for trial in TRIALS:
-            route = route_along(kinematics, straight, dense, home, trial, free=free, branches=self.branches)
-            chains = max(chains, route.chains)
-            if route.chains == len(dense.chains):
+        if not dense.chains:
+            return flange, simple, choice, ""
+        will_do, hit = self._will_do(kinematics, flange, *simple), self._hit(flange, *simple)
+        told = ""
+        for obstacles in dict.fromkeys((self.obstacles, None)):
+            if obstacles is None and will_do:
+                return flange, simple, choice, told
+            chains = 0
+            for trial in TRIALS:
+                route = route_along(
+                    kinematics, straight, dense, home, trial, free=free, branches=self.branches, obstacles=obstacles
+                )
+                chains = max(chains, route.chains)
+                if route.chains < len(dense.chains):
+                    continue
                 turning = replace(straight, turning=route.turning)
                 found = replace(choice, seeds=route.seeds)
                 solved = _solve(kinematics, turning, nodes, found, home)
-                if self._will_do(kinematics, turning, *solved):
-                    report_route(flange, route.turning, solved[0], findings)
+                clear = obstacles is None or self._hit(turning, *solved) is None
+                if self._will_do(kinematics, turning, *solved) and clear:
+                    if not told:
+                        report_route(flange, route.turning, solved[0], hit if will_do else None, findings)
                     return turning, solved, found, ""
-        if not dense.chains:
-            return flange, simple, choice, ""
-        guilty = min(chains, len(dense.chains) - 1)
-        end = dead_end(kinematics, straight, dense, guilty, free=free, branches=self.branches)
-        return flange, simple, choice, report_dead_end(kinematics, straight, dense, end, findings)
+            guilty = min(chains, len(dense.chains) - 1)
+            end = dead_end(
+                kinematics, straight, dense, guilty, free=free, branches=self.branches, obstacles=obstacles
+            )
+            if end.obstacle is Hindrance.COLLISION or obstacles is None:
+                told = report_dead_end(kinematics, straight, dense, end, findings)
+        return flange, simple, choice, told
 
     def after(self, leg: JointPath, path: ToolPath, home: Array) -> FixedAttitude:
         """The spin stays as chosen, and the attitude is held except at home."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -13,6 +14,7 @@ from gcodesim.frames import Array
 from gcodesim.frozen import frozen
 from gcodesim.kinematics.chain import Indices, Joints
 from gcodesim.planning.ladder_kernels import ENDLESS, LIMITED, LINEAR, SLACK, TURN, Ladder
+from gcodesim.planning.obstacles import Around
 
 if TYPE_CHECKING:
     from gcodesim.kinematics.protocol import Kinematics
@@ -27,25 +29,36 @@ class Passage:
 
     X_BT (n, 4, 4) at spin 0; X_FT (4, 4). `free`: the tool may be turned about its own axis, Z of T, by any angle at
     every pose. `step` (j,) is how far each joint may go from one pose to the next [rad, m], less than half a turn.
+    `around`: what the arm may hit at the poses.
     """
 
     X_BT: Array
     X_FT: Array
     free: bool
     step: Array
+    around: Around | None = None
 
     def __len__(self) -> int:
         return len(self.X_BT)
 
     def part(self, first: int, end: int) -> Passage:
         """Poses `first` to `end` (left out)."""
-        return Passage(X_BT=self.X_BT[first:end], X_FT=self.X_FT, free=self.free, step=self.step)
+        return self.taken(slice(first, end))
+
+    def taken(self, poses: slice) -> Passage:
+        """Only some of the poses."""
+        around = None if self.around is None else self.around.taken(poses)
+        return replace(self, X_BT=self.X_BT[poses], around=around)
+
+    def without_obstacles(self) -> Passage:
+        """The same poses where nothing stands around."""
+        return replace(self, around=None)
 
     def shifted(self, shift: Array) -> Passage:
         """The same with all positions moved by `shift` (3,) [m] in B."""
         X_BT = self.X_BT.copy()
         X_BT[:, :3, 3] += shift
-        return Passage(X_BT=X_BT, X_FT=self.X_FT, free=self.free, step=self.step)
+        return replace(self, X_BT=X_BT)
 
     def flange(self, spins: Array) -> Array:
         """X_BF (n, s, 4, 4) with the tool turned by `spins` (n, s) [rad]."""
@@ -63,11 +76,15 @@ class Passage:
 
 @frozen(kw_only=False, eq=False)
 class Rungs:
-    """A ladder; which spin each vector has (N,), and of each pose whether joints put the tool there at all (n,)."""
+    """A ladder; which spin each vector has (N,), and of each pose whether joints put the tool there at all (n,).
+
+    `within` (n,): whether some of these are within limits, if what stands around is not asked.
+    """
 
     ladder: Ladder
     spin: Array
     in_reach: NDArray[np.bool_]
+    within: NDArray[np.bool_]
 
     @property
     def counts(self) -> Indices:
@@ -89,6 +106,9 @@ def rungs_of(kinematics: Kinematics, cut: Passage, spins: Array, branches: tuple
     low = np.where(kind == LIMITED, lower - SLACK, -0.5 * TURN)
     q = np.where(kind == LINEAR, q, q - TURN * np.floor((q - low) / TURN))
     inside = exists & np.all((kind == ENDLESS) | ((q >= lower - SLACK) & (q <= upper + SLACK)), axis=2)
+    within: NDArray[np.bool_] = inside.any(axis=1)
+    if cut.around is not None:
+        inside[inside] = ~cut.around.hit(np.ascontiguousarray(q[inside]), np.nonzero(inside)[0])
     first = np.zeros(n + 1, dtype=np.int64)
     np.cumsum(inside.sum(axis=1), out=first[1:])
     ladder = Ladder(
@@ -103,7 +123,7 @@ def rungs_of(kinematics: Kinematics, cut: Passage, spins: Array, branches: tuple
     per_spin = inside.shape[1] // s
     spin = np.repeat(spins, per_spin, axis=1)[inside]
     in_reach: NDArray[np.bool_] = np.any(exists, axis=1)
-    return Rungs(ladder, spin, in_reach)
+    return Rungs(ladder, spin, in_reach, within)
 
 
 def turns_of(joints: Joints) -> tuple[Indices, Array, Array, Indices]:

@@ -69,12 +69,7 @@ def margin_at(kinematics: Kinematics, cuts: list[Passage], shift: Array, branche
     """The most room [rad] to joint limits with all cuts shifted by (3,) [m] in B; `NOWHERE` without a way."""
     moved = [cut.shifted(shift) for cut in cuts]
     for cut in moved:
-        few = Passage(
-            X_BT=cut.X_BT[:: max(len(cut) // _FIRST_LOOK, 1)],
-            X_FT=cut.X_FT,
-            free=cut.free,
-            step=cut.step,
-        )
+        few = cut.taken(slice(None, None, max(len(cut) // _FIRST_LOOK, 1)))
         if not rungs_of(kinematics, few, grid(few, _SPINS), branches).counts.all():
             return NOWHERE
     least = np.inf

@@ -16,15 +16,16 @@ from gcodesim.arithmetic.matrices import inverse_pose, multiplied
 from gcodesim.frames import Array
 from gcodesim.frozen import frozen
 from gcodesim.kinematics.path_kernels import JUMP
-from gcodesim.planning.configuration import Hindrance, even_way, grid, obstacle_at, way_with
+from gcodesim.planning.configuration import Hindrance, even_way, grid, hindrance, way_with
 from gcodesim.planning.ladder import Passage, rungs_of
 from gcodesim.planning.ladder_kernels import TURN, earliest, link
 from gcodesim.planning.nodes import Nodes
+from gcodesim.planning.obstacles import Around, Obstacles
 from gcodesim.planning.spin_along import SpinAlong
 
 if TYPE_CHECKING:
     from gcodesim.kinematics.protocol import Kinematics
-    from gcodesim.planning.reach import FlangePoses
+    from gcodesim.planning.flange import Flange
 
 TRIALS: Final = ((300, 36), (300, 144), (1200, 36))
 """Rungs of all ladders of a path together and spins all around, tried one after the other."""
@@ -50,7 +51,8 @@ class Route:
 class DeadEnd:
     """Where no route leads on: the nodes `first` to `last` are the longest part of a chain that can be run.
 
-    `obstacle` says why the one at node `next_node` cannot be added, coming from joints `q` (j,) (None: there are none).
+    `obstacle` says why the one at node `next_node` cannot be added, coming from joints `q` (j,) (None: there are none),
+    and `hits` what would hit what there.
     """
 
     chain: tuple[int, int]
@@ -59,24 +61,26 @@ class DeadEnd:
     next_node: int
     obstacle: Hindrance
     q: Array | None
+    hits: tuple[str, str] | None = None
 
 
 def route_along(
     kinematics: Kinematics,
-    flange: FlangePoses,
+    flange: Flange,
     nodes: Nodes,
     home: Array,
     trial: tuple[int, int],
     *,
     free: bool,
     branches: tuple[int, ...] | None,
+    obstacles: Obstacles | None,
 ) -> Route:
     """The route along all `nodes`, by one of the `TRIALS`; `flange` has the spin from which a free tool turns."""
     pieces, places, spins = [], [], []
     seeds: dict[int, Array] = {}
     previous = home
     for k in range(len(nodes.chains)):
-        chosen, cut = cut_through(kinematics, flange, nodes, k, trial[0], free)
+        chosen, cut = cut_through(kinematics, flange, nodes, k, trial[0], free, obstacles)
         way = even_way(kinematics, cut, margin=_ROOM, start=previous, spins=trial[1], branches=branches)
         if way is None:
             return Route(None, seeds, k)
@@ -111,17 +115,27 @@ def _evenly(nodes: Nodes, first: int, end: int, most: int) -> NDArray[np.int64]:
 
 
 def cut_through(
-    kinematics: Kinematics, flange: FlangePoses, nodes: Nodes, chain: int, rungs: int, free: bool
+    kinematics: Kinematics,
+    flange: Flange,
+    nodes: Nodes,
+    chain: int,
+    rungs: int,
+    free: bool,
+    obstacles: Obstacles | None = None,
 ) -> tuple[NDArray[np.int64], Passage]:
     """The nodes of a chain that become rungs, and the cut through them."""
     a, b = nodes.chains[chain]
     chosen = _evenly(nodes, a, b, max(_FEWEST, rungs * (b - a) // max(len(nodes), 1)))
-    X, X_FN = flange.at(nodes.piece[chosen], nodes.s[chosen]), np.eye(4)
-    bend = flange.bend_of(nodes.piece[chosen])
+    piece, s = nodes.piece[chosen], nodes.s[chosen]
+    X, X_FN = flange.at(piece, s), np.eye(4)
+    bend = flange.bend_of(piece)
     if bend is not None:  # the tool turns about the Z of its nose, and all of a chain has one
         X_FN = inverse_pose(bend[:1])[0]
         X = multiplied(X, X_FN)
-    return chosen, Passage(X_BT=X, X_FT=X_FN, free=free, step=np.full(len(kinematics.joints), JUMP))
+    step = np.full(len(kinematics.joints), JUMP)
+    return chosen, Passage(
+        X_BT=X, X_FT=X_FN, free=free, step=step, around=Around.at(obstacles, flange, piece, s)
+    )
 
 
 def _smooth(spins: Array) -> Array:
@@ -140,18 +154,19 @@ def _shorter(steps: Array) -> Array:
 
 def dead_end(
     kinematics: Kinematics,
-    flange: FlangePoses,
+    flange: Flange,
     nodes: Nodes,
     chain: int,
     *,
     free: bool,
     branches: tuple[int, ...] | None,
+    obstacles: Obstacles | None,
 ) -> DeadEnd:
     """How far the `chain` of nodes can be run that ends a route."""
     rungs, spins = TRIALS[0]
-    chosen, cut = cut_through(kinematics, flange, nodes, chain, rungs, free)
+    chosen, cut = cut_through(kinematics, flange, nodes, chain, rungs, free, obstacles)
     ladder = rungs_of(kinematics, cut, grid(cut, spins), branches)
-    _, first, last = earliest(ladder.ladder, link(ladder.ladder, cut.step, False))
+    prefix, first, last = earliest(ladder.ladder, link(ladder.ladder, cut.step, False))
     if last - first + 1 == len(cut):  # rungs have a way, the nodes between do not
         return DeadEnd(nodes.chains[chain], int(chosen[0]), int(chosen[-1]), int(chosen[-1]), Hindrance.WAY, None)
     after = last + 1 if last + 1 < len(cut) else first - 1
@@ -161,11 +176,28 @@ def dead_end(
         some = rungs_of(kinematics, part, grid(part, spins), branches)
         way = way_with(some, link(some.ladder, part.step, False), 0.0)
         q = way.q[-1] if after > last else way.q[0]
+    why = hindrance(kinematics, cut, ladder, after, (prefix, first, last), spins=spins, branches=branches)
     return DeadEnd(
         nodes.chains[chain],
         int(chosen[first]),
         int(chosen[max(last, first)]),
         int(chosen[after]),
-        obstacle_at(ladder, after),
+        why,
         q,
+        _first_hit(kinematics, cut, after, q, spins, branches) if why is Hindrance.COLLISION else None,
     )
+
+
+def _first_hit(
+    kinematics: Kinematics, cut: Passage, pose: int, q: Array | None, spins: int, branches: tuple[int, ...] | None
+) -> tuple[str, str] | None:
+    """What hits what at a pose of a cut with those joints that come nearest to q (j,), or with the first ones."""
+    one = cut.part(pose, pose + 1).without_obstacles()
+    found = rungs_of(kinematics, one, grid(one, spins), branches).ladder.q
+    if cut.around is None or not len(found):
+        return None
+    if q is not None:
+        away = found - q
+        away -= TURN * np.floor(0.5 + away / TURN)
+        found = found[np.argsort(np.sum(away * away, axis=1), kind="stable")]
+    return next((pair for each in found if (pair := cut.around.pair(each, pose)) is not None), None)

@@ -21,22 +21,28 @@ if TYPE_CHECKING:
 _TURNED: Final = 1.0 * DEG  # of spin along the path that is worth a word
 
 
-def report_route(flange: FlangePoses, turning: SpinAlong | None, nodes: Nodes, findings: Findings) -> None:
-    """A note that one spin and one configuration near home would not have done."""
+def report_route(
+    flange: FlangePoses,
+    turning: SpinAlong | None,
+    nodes: Nodes,
+    hit: tuple[str, str] | None,
+    findings: Findings,
+) -> None:
+    """A note that one spin and one configuration near home would not have done; `hit`: what would hit what there."""
     path = flange.pieces.path
     first = path.span(int(flange.pieces.row_last[nodes.piece[0]]))
     if turning is None or np.ptp(turning.spin) < _TURNED:
-        message = (
-            "the configuration comes from a search over the whole path: that nearest to home does not lead through"
-        )
+        fault = "does not lead through" if hit is None else f"lets {hit[0]} hit {hit[1]}"
+        message = f"the configuration comes from a search over the whole path: that nearest to home {fault}"
         findings.add(Diagnostic(code="GS215", message=message, span=first))
         return
+    fault = "the arm does not get through" if hit is None else f"{hit[0]} hits {hit[1]}"
     low, high = float(turning.spin.min()), float(turning.spin.max())
     findings.add(
         Diagnostic(
             code="GS215",
             message=f"the tool turns about itself along the path, between spins of {low / DEG:.0f} and"
-            f" {high / DEG:.0f} deg: with one spin for all of it the arm does not get through",
+            f" {high / DEG:.0f} deg: with one spin for all of it {fault}",
             span=first,
             value=high - low,
             unit="rad",
@@ -61,13 +67,18 @@ def report_dead_end(kinematics: Kinematics, flange: FlangePoses, nodes: Nodes, e
         part = f"nothing of {whole} can be run"
     else:
         part = f"at most {100.0 * share:.0f} % of {whole} can be run, from line {line(end.first)} to {line(end.last)}"
-    if end.obstacle is Hindrance.WAY:
+    if end.obstacle in (Hindrance.WAY, Hindrance.COLLISION):
         ends = "then" if end.next_node >= end.last else "before that"
+        if end.obstacle is Hindrance.COLLISION:
+            hits = "the arm hits something" if end.hits is None else f"{end.hits[0]} hits {end.hits[1]}"
+            reason = f"every way on ends in a collision: {hits}"
+        else:
+            reason = f"no continuous way leads on{_facts(kinematics, flange, nodes, end)}"
         findings.add(
             Diagnostic(
                 code="GS216",
                 message=f"no configuration of the arm leads through: {part};"
-                f" {ends} no continuous way leads on{_facts(kinematics, flange, nodes, end)}",
+                f" {ends} {reason}",
                 span=pieces.path.span(int(pieces.row_last[nodes.piece[end.next_node]])),
                 hint="`gcodesim place` searches a place of the part where all of it can be run",
                 value=share,

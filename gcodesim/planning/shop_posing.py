@@ -25,11 +25,15 @@ if TYPE_CHECKING:
     from gcodesim.planning.fixed_attitude import FixedAttitude
     from gcodesim.planning.guide import Outside
     from gcodesim.planning.loads import Loads
+    from gcodesim.planning.obstacles import Obstacles
     from gcodesim.planning.stands import Stands
 
 
-def posing_of(shop: Shop) -> Posing:
-    """A machine whose joints are the axes is commanded by them; an arm holds the tool as the cell says."""
+def posing_of(shop: Shop, obstacles: Obstacles | None = None) -> Posing:
+    """A machine whose joints are the axes is commanded by them; an arm holds the tool as the cell says.
+
+    What an arm chooses keeps clear of `obstacles`.
+    """
     if shop.mover.joints_are_axes:
         independent = shop.mover.rapids == "independent"
         tool = ToolPoint.of(shop.kinematics)
@@ -38,10 +42,10 @@ def posing_of(shop: Shop) -> Posing:
         if tool is None:
             return AxisPosing(independent_rapids=independent)
         return AxisAttitude(tool=tool, independent_rapids=independent)
-    return _fixed_attitude(shop)
+    return _fixed_attitude(shop, obstacles)
 
 
-def _fixed_attitude(shop: Shop) -> FixedAttitude:
+def _fixed_attitude(shop: Shop, obstacles: Obstacles | None) -> FixedAttitude:
     """The frame O for every work system, in base axes: T's Z is along the axis that the cell names."""
     from gcodesim.planning.fixed_attitude import FixedAttitude
 
@@ -73,6 +77,7 @@ def _fixed_attitude(shop: Shop) -> FixedAttitude:
         platforms={system: names.index(link) for system, link in shop.placement.platforms.items()},
         bends={n: X.inverse().matrix for n, tool in shop.cell.tools.items() if (X := tool.X_FN) is not None},
         stands=_stands(shop, outside),
+        obstacles=obstacles,
     )
 
 

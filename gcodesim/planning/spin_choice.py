@@ -21,6 +21,7 @@ from gcodesim.planning.joint_rows import JointRows
 if TYPE_CHECKING:
     from gcodesim.kinematics.protocol import Kinematics
     from gcodesim.planning.guide import Guide
+    from gcodesim.planning.obstacles import Around
 
 SPINS: Final = 24  # candidates all around
 POSES: Final = 240  # at which a candidate is tried
@@ -102,15 +103,23 @@ class SpinChoice:
     limits: AxisLimits
 
 
-def choose_spin(kinematics: Kinematics, probe: SampledPath, home: Array, near: float, spin: float | None) -> SpinChoice:
+def choose_spin(
+    kinematics: Kinematics,
+    probe: SampledPath,
+    home: Array,
+    near: float,
+    spin: float | None,
+    around: Around | None = None,
+) -> SpinChoice:
     """The spin with the fewest bad poses, then the most margin, then nearest to `near`; a given `spin` [rad] is kept.
 
     Margin counts joint limits and singularities up to a comfortable distance,
-    so that among good ones the nearest to the present joints wins.
+    so that among good ones the nearest to the present joints wins. A pose is bad too where the arm hits what `around`
+    knows.
     """
     best: tuple[tuple[float, float, int], float, dict[int, Array], Array] | None = None
     for order, angle in enumerate(candidates(near, SPINS) if spin is None else np.array([spin])):
-        q, bad, seeds = _try(kinematics, probe, home, float(angle))
+        q, bad, seeds = _try(kinematics, probe, home, float(angle), around)
         margin = round(_margin(kinematics, q), 6)
         score = (bad, -margin, order)
         if best is None or score < best[0]:
@@ -121,19 +130,27 @@ def choose_spin(kinematics: Kinematics, probe: SampledPath, home: Array, near: f
     return SpinChoice(best[1], best[2], _limits(kinematics, best[3]))
 
 
-def _try(kinematics: Kinematics, probe: SampledPath, home: Array, spin: float) -> tuple[Array, int, dict[int, Array]]:
+def _try(
+    kinematics: Kinematics, probe: SampledPath, home: Array, spin: float, around: Around | None
+) -> tuple[Array, int, dict[int, Array]]:
     """Joints (k, j) at the poses of `probe`, how many are bad, and seeds that had to be searched."""
     X = probe.poses(spin)
     q = np.empty((len(X), len(home)))
     seeds: dict[int, Array] = {}
     bad, previous = 0, home
+
+    def tried(a: int, b: int, seed: Array) -> tuple[Array, int]:
+        found, status = kinematics.inverse(X[a:b], seed)
+        wrong = status != 0
+        if around is not None:
+            wrong |= around.hit(found, np.arange(a, b))
+        return found, int(np.count_nonzero(wrong))
+
     for number, (a, b) in zip(probe.number, probe.chains, strict=True):
-        q[a:b], status = kinematics.inverse(X[a:b], previous)
-        faults = int(np.count_nonzero(status))
+        q[a:b], faults = tried(a, b, previous)
         if faults:
             for branch in kinematics.branches(X[a]):
-                turned, status = kinematics.inverse(X[a:b], branch)
-                count = int(np.count_nonzero(status))
+                turned, count = tried(a, b, branch)
                 if count < faults:
                     faults, q[a:b], seeds[number] = count, turned, branch
         bad += faults

@@ -120,8 +120,8 @@ CODES: tuple[Code, ...] = (
         severity=Severity.NOTE,
         title="Configuration searched over the whole path",
         what="With the configuration of the arm nearest to home, and one spin of the tool for the whole program, the"
-        " path cannot be run. A search over all configurations, turns of joints and spins along the path has found"
-        " another way.",
+        " path cannot be run, or the arm hits something. A search over all configurations, turns of joints and spins"
+        " along the path has found another way.",
         why="The arm moves otherwise than a control would by itself: start the program on the machine from the same"
         " joints, and let the tool turn as here.",
         remedy="Nothing, if the machine is run with these joints. `configuration` of the robot or `spin` of the"
@@ -133,8 +133,8 @@ CODES: tuple[Code, ...] = (
         title="No configuration leads through",
         what="No configuration of the arm (shoulder, elbow, wrist, whole turns of joints, spin of the tool where it is"
         " free) leads through this part of the path without a jump, although each pose alone can be reached. The"
-        " message names the longest part that can be run, and what the arm would have to do to go on: pass a limit, or"
-        " jump, as at a singularity.",
+        " message names the longest part that can be run, and what the arm would have to do to go on: pass a limit,"
+        " jump, as at a singularity, or hit a link, a fixture or the stock as it is at the start.",
         why="The robot stops there, or swings through the cell.",
         remedy="Shift the part (`gcodesim place` searches), tilt the tool, let its spin free, or split the program with"
         " a rapid at a safe height.",

@@ -1,0 +1,83 @@
+"""Postures of an arm in which it hits something: what its planner asks while it searches."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gcodesim.arithmetic.distinct import distinct
+from gcodesim.checks.machine_bodies import CarriedBody, MachineBodies, may_meet_by_motion
+from gcodesim.checks.machine_collisions import body_in_words, of_machine_itself
+from gcodesim.checks.meetings import MovingBodies
+from gcodesim.frames import Array
+
+if TYPE_CHECKING:
+    from gcodesim.checks.machine_collisions import MachineChecks
+    from gcodesim.tools.tool import Tool
+
+Moving = tuple[MovingBodies, tuple[CarriedBody, ...]]
+
+
+@dataclass(frozen=True, eq=False)
+class Postures:
+    """An arm, its tools by number and what is around it at the start.
+
+    Bodies of the machine that are in each other at `home` (j,) are drawn so, and pairs of names that are `apart` are
+    not looked at.
+    """
+
+    machine: MachineBodies
+    tools: Mapping[int, Tool]
+    home: Array
+    apart: frozenset[frozenset[str]] = frozenset()
+    _known: dict[int, Moving] = field(default_factory=dict)
+
+    @staticmethod
+    def of(checks: MachineChecks, home: Array) -> Postures:
+        """The postures of what `checks` look at on the way of a plan."""
+        return Postures(checks.machine, checks.tools, np.asarray(home, dtype=float), checks.apart)
+
+    def hit(self, q: Array, tools: NDArray[np.int64] | NDArray[np.intp] | NDArray[np.int32]) -> NDArray[np.bool_]:
+        """Whether a body that may not is in another one with all joints at q (n, j) and these tools (n,) held."""
+        found = np.zeros(len(q), dtype=bool)
+        for number in distinct(tools).tolist():
+            mine = np.flatnonzero(tools == number)
+            found[mine] = self._moving(number)[0].touching(q[mine]) >= 0
+        return found
+
+    def pair(self, q: Array, tool: int) -> tuple[str, str] | None:
+        """The first two bodies that are in each other with all joints at q (j,), in words; None: none are."""
+        moving, bodies = self._moving(tool)
+        row = int(moving.touching(q[None])[0])
+        if row < 0:
+            return None
+        one, other = (bodies[k] for k in moving.pairs[row].tolist())
+        if other.part or (other.role == "link" and one.role in ("fixture", "stock")):
+            one, other = other, one
+        return body_in_words(one), body_in_words(other)
+
+    def _moving(self, number: int) -> Moving:
+        """All bodies with one of the tools, and those pairs of them that may not meet."""
+        if number not in self._known:
+            own = self.machine.bodies
+            pairs = self.machine.pairs()
+            bodies = list(own)
+            if number in self.tools:
+                bodies += self.machine.of_tool(self.tools[number])
+                pairs += [
+                    (i, j)
+                    for j in range(len(own), len(bodies))
+                    for i in range(len(own))
+                    if may_meet_by_motion(bodies[i], bodies[j], self.machine.tree)
+                ]
+            names = [body.rigid.name for body in bodies]
+            pairs = [pair for pair in pairs if frozenset(names[k] for k in pair) not in self.apart]
+            drawn = [pair for pair in pairs if of_machine_itself(*(bodies[k] for k in pair))]
+            inside = [pair for pair in drawn if self.machine.moving(bodies, [pair]).touching(self.home[None])[0] >= 0]
+            moving = self.machine.moving(bodies, [pair for pair in pairs if pair not in inside])
+            self._known[number] = moving, tuple(bodies)
+        return self._known[number]
