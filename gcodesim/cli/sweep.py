@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from functools import partial
 from itertools import islice
+from pathlib import Path
 from typing import Any, Final
 
 from gcodesim import compiled
@@ -19,7 +20,9 @@ from gcodesim.cli.output import note, print_count, print_findings, print_json, p
 from gcodesim.cli.suite import Bar
 from gcodesim.cli.workers import hands_of
 from gcodesim.diagnostics import Diagnostic, Span
+from gcodesim.extras import require_extra
 from gcodesim.files.output_folder import (
+    LOG_NAME,
     SWEEP_NAME,
     SWEEP_PAGE,
     SWEEP_TABLES,
@@ -35,9 +38,11 @@ from gcodesim.scale.hands import Alone
 from gcodesim.sweep.design import Point, count, points
 from gcodesim.sweep.journal import NAME as JOURNAL
 from gcodesim.sweep.journal import ForeignJournalError, Journal
+from gcodesim.sweep.measure import figure
+from gcodesim.sweep.page import aim_of, column_of, write_page
 from gcodesim.sweep.prepared import Allowed, Prepared, prepared
 from gcodesim.sweep.row import Row, cells, headings, limit_findings
-from gcodesim.sweep.running import Tally, do_runs, rows
+from gcodesim.sweep.running import Tally, do_runs, folder_of, rows
 from gcodesim.sweep.search import Found, search
 from gcodesim.sweep.study_file import StudyFile, read_study
 from gcodesim.sweep.summary import Summary, summary_as_json
@@ -45,6 +50,8 @@ from gcodesim.sweep.tables import write_tables
 from gcodesim.sweep.verdict import verdict_of
 
 _MOST_SHOWN: Final = 8
+REPLAY: Final = "report.html"
+"""The page of one run, in the folder of its files."""
 
 
 def sweep(arguments: argparse.Namespace) -> int:
@@ -63,6 +70,8 @@ def sweep(arguments: argparse.Namespace) -> int:
         return _faulty(file, found, {file.source.name: file.source}, arguments)
     if arguments.number is not None:
         return _run_alone(ready, arguments)
+    if arguments.replay:
+        require_extra("report", "replays of the best and the worst run")
     if arguments.find and ready.study.find is None:
         raise UsageError(f"{arguments.study} does not say what to `find`")
     with _folder(arguments, ready) as journal:
@@ -125,6 +134,8 @@ def _sweep(ready: Prepared, journal: Journal, arguments: argparse.Namespace) -> 
             else:
                 work(points(ready.study), keep=arguments.keep_logs)
             chosen = _Chosen(ready=ready, journal=journal, tried=tried if found is not None else None)
+            if arguments.replay:
+                work([row.point for row in _extremes(chosen)], keep=True)
     except (KeyboardInterrupt, UsageError):
         chosen = _Chosen(ready=ready, journal=journal, tried=tried if arguments.find else None)
         _write(ready, chosen, arguments)
@@ -168,6 +179,7 @@ def _judged(ready: Prepared, chosen: _Chosen, arguments: argparse.Namespace, tal
     """Write tables, page and summary, print them; the exit status."""
     _write(ready, chosen, arguments)
     summary = Summary.of(ready, chosen.rows(), arguments.fail_on)
+    _write_page(chosen, summary.count, arguments)
     said = summary_as_json(ready, summary, summary.count if found is not None else tally.total)
     if found is not None:
         said["best"] = found.best
@@ -190,6 +202,41 @@ def _judged(ready: Prepared, chosen: _Chosen, arguments: argparse.Namespace, tal
     return int(arguments.status)
 
 
+def _extremes(chosen: _Chosen) -> list[Row]:
+    """The runs in which the figure of the page is least and greatest."""
+    aim = aim_of(chosen.ready, chosen.rows())
+    known = [row for row in chosen.rows() if row.status != "failed" and figure(aim, row.figures) is not None]
+    if not known:
+        return []
+    least, most = (of(known, key=lambda row: figure(aim, row.figures) or 0.0) for of in (min, max))
+    return [least] if least is most else [least, most]
+
+
+def _write_page(chosen: _Chosen, count: int, arguments: argparse.Namespace) -> None:
+    """The page, and with --replay the pages of the runs that it links to."""
+    ready, out = chosen.ready, arguments.out
+    if arguments.replay:
+        for row in _extremes(chosen):
+            _write_replay(folder_of(out, row.key), f"run {row.number}: {row.title()}")
+    links = {
+        row.number: (folder_of(Path(), row.key) / REPLAY).as_posix()
+        for row in chosen.rows()
+        if (folder_of(out, row.key) / REPLAY).is_file()
+    }
+    made = (cells(ready, row, arguments.fail_on) for row in chosen.rows())
+    aim = aim_of(ready, chosen.rows())
+    write_whole(out / SWEEP_PAGE, write_page(ready, headings(ready), made, links, column_of(aim), count).encode())
+
+
+def _write_replay(folder: Path, title: str) -> None:
+    from gcodesim.playback import Recording
+    from gcodesim.report.page import write_page as page_of_run
+
+    if (folder / LOG_NAME).is_file():
+        page = page_of_run([Recording.open(folder / LOG_NAME)], title=title)
+        write_whole(folder / REPLAY, page.encode())
+
+
 def _print_best(chosen: _Chosen, found: Found) -> None:
     if found.best is None:
         print("  no run is within all limits")
@@ -207,11 +254,11 @@ def _print(ready: Prepared, summary: Summary, tally: Tally, arguments: argparse.
     if summary.codes:
         told = ", ".join(f"{code} in {number}" for code, number in sorted(summary.codes.items()))
         print(f"  errors and warnings: {told}; `gcodesim explain CODE` says more")
-    if summary.failing:
+    if summary.failing and not arguments.find:
         numbers = ", ".join(str(number) for number in summary.failing[:_MOST_SHOWN])
         more = " …" if summary.failed > _MOST_SHOWN else ""
         print(f"  runs that fail: {numbers}{more}; `--run {summary.failing[0]} --out DIR` shows one alone")
-    print(f"  {arguments.out / SWEEP_TABLES[0]} has a row for each run")
+    print(f"  {arguments.out / SWEEP_TABLES[0]} has a row for each run, {arguments.out / SWEEP_PAGE} shows them")
 
 
 def _dry(ready: Prepared, journal: Journal) -> int:

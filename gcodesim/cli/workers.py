@@ -5,20 +5,41 @@ from __future__ import annotations
 import argparse
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from gcodesim.cli.exits import UsageError
-from gcodesim.cli.output import note
-from gcodesim.cli.suite import jobs_of
 
 if TYPE_CHECKING:
     from gcodesim.scale.crew import Keys
     from gcodesim.scale.hands import Hands
 
 
+def add_scheduler(group: Any) -> None:
+    """Options for a scheduler of Dask that stands somewhere."""
+    group.add_argument(
+        "--scheduler", metavar="ADDRESS", help="a Dask scheduler, tcp://HOST:8786 or tls://HOST:8786, in place of -j"
+    )
+    for name, what in (("ca", "certificate of the authority"), ("cert", "own certificate"), ("key", "own key")):
+        group.add_argument(f"--tls-{name}", type=Path, metavar="FILE", help=f"{what} (PEM), for tls://")
+
+
+@contextmanager
+def scheduler_of(arguments: argparse.Namespace) -> Iterator[Hands | None]:
+    """The workers of the scheduler that the command line names; None if it names none. UsageError as `hands_of`."""
+    if arguments.scheduler is None:
+        _refuse_keys(arguments)
+        yield None
+    else:
+        with hands_of(arguments, 0) as hands:
+            yield hands
+
+
 @contextmanager
 def hands_of(arguments: argparse.Namespace, most: int) -> Iterator[Hands]:
     """Who does up to `most` tasks. UsageError if a scheduler cannot be reached, or is lost on the way."""
+    from gcodesim.cli.output import note
+    from gcodesim.cli.suite import jobs_of
     from gcodesim.scale.crew import NoWorkersError, SchedulerLostError, crew_at, local_crew
     from gcodesim.scale.hands import Alone
 

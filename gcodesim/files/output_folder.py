@@ -42,7 +42,7 @@ _BEGINNINGS: Final[Mapping[str, tuple[tuple[int, bytes], ...]]] = {
     SWEEP_NAME: ((0, b'{\n "schema": "gcodesim-sweep/'),),
     SWEEP_TABLES[0]: ((0, b"run,"),),
     SWEEP_TABLES[1]: ((0, b"PAR1"),),
-    SWEEP_PAGE: ((0, b'<!DOCTYPE html>\n<meta name="generator" content="gcodesim sweep">'),),
+    SWEEP_PAGE: ((0, b'<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta name="generator" content="gcodesim'),),
     ".csv": ((0, b"file,line,time_s,"),),
     TABLE_OF_READINGS: ((0, b"reading,time_s,"),),
     ".stl": ((0, b"gcodesim binary STL"),),

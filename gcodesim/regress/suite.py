@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from gcodesim.regress.baseline import Baseline
     from gcodesim.regress.cache import Cache
     from gcodesim.regress.outcome import Judging
+    from gcodesim.scale.hands import Hands
 
 INTERNAL: Final = "GS613"
 """A case that could not be judged because of a fault of gcodesim."""
@@ -81,19 +82,25 @@ def run_suite(
     cache: Cache | None = None,
     reuse: bool = False,
     baseline: Baseline | None = None,
+    hands: Hands | None = None,
     progress: Callable[[CaseVerdict], None] | None = None,
 ) -> SuiteVerdict:
     """The verdicts on all cases, in their order.
 
-    `jobs` processes share the work, which does not show in the verdict. With `fail_fast` all cases after the first that
-    fails are `not_run`. `cache` remembers passed cases, and with `reuse` returns them. `baseline` lists findings that
-    do not count. `progress` is told each verdict, in order.
+    `jobs` processes share the work, or `hands` do it, which does not show in the verdict. With `fail_fast` all cases
+    after the first that fails are `not_run`. `cache` remembers passed cases, and with `reuse` returns them. `baseline`
+    lists findings that do not count. `progress` is told each verdict, in order.
     """
     today = how.today or date.today()
     cases = collected.cases
     known = {case.name: cache.find(case, today) if cache is not None and reuse else None for case in cases}
     pending = [case for case in cases if known[case.name] is None]
-    fresh = in_parallel(judged, pending, how, jobs)
+    if hands is None:
+        fresh = in_parallel(judged, pending, how, jobs)
+    else:
+        from gcodesim.regress.travel import judged_by
+
+        fresh = judged_by(hands, pending, how)
     lines = Sources(how.root)
     verdicts: list[CaseVerdict] = []
     has_failed = False

@@ -248,7 +248,7 @@ def _why_not(reply: Any) -> list[str]:
         with suppress(ValueError, TypeError, AttributeError):
             known = read_json(reply)
             return misfits({str(name): str(value) for name, value in known.items()}, abilities())
-    if isinstance(reply, ImportError):
+    if isinstance(reply, Exception) and "No module named" in str(reply):
         return [f"gcodesim cannot be imported there ({reply})"]
     return [f"it does not answer as a worker of gcodesim does ({type(reply).__name__})"]
 

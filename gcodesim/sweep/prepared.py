@@ -72,6 +72,7 @@ class _Gathering:
     paths: dict[Path, None] = field(default_factory=dict)
     findings: dict[Diagnostic, None] = field(default_factory=dict)
     sources: dict[str, SourceText] = field(default_factory=dict)
+    scanned: set[tuple[Path, ...]] = field(default_factory=set)
     ends: bool = False
 
     def take(self, loaded: LoadedCell) -> None:
@@ -85,7 +86,9 @@ class _Gathering:
         folders: list[Path] = []
         if loaded.cell is not None:
             folders = [folder.path for one in loaded.cell.channels.values() for folder in one.subroutines]
-        self.paths |= dict.fromkeys((program, *subprograms(program, folders)))
+        if (program, *folders) not in self.scanned:
+            self.scanned.add((program, *folders))
+            self.paths |= dict.fromkeys((program, *subprograms(program, folders)))
 
 
 def prepared(file: StudyFile, study: Study, allowed: Allowed) -> tuple[Prepared | None, list[Diagnostic]]:

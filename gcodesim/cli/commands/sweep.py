@@ -9,6 +9,7 @@ from typing import Any
 from gcodesim.cli.formats import add_verdict_formats
 from gcodesim.cli.judging import add_today
 from gcodesim.cli.options import add_allow_path, add_fail_on
+from gcodesim.cli.workers import add_scheduler
 
 _DESCRIPTION = """Run a program in a cell, or set-ups, with all values that a study (YAML) lists: of keys of the cell,
 of parameters of the program, of files; as grids, rows, Sobol points, a Latin hypercube or lines of a table. Each run is
@@ -36,6 +37,11 @@ def add_parser(commands: Any) -> None:
         "--keep-logs", action="store_true", help="keep log, results and stocks of each run in --out/runs"
     )
     parser.add_argument(
+        "--replay",
+        action="store_true",
+        help="link the best and the worst run in the page to a report with replay of each (extra report)",
+    )
+    parser.add_argument(
         "-n", "--dry-run", action="store_true", help="say how many runs there are, and how many are known"
     )
     add_workers(parser)
@@ -53,15 +59,6 @@ def add_workers(parser: argparse.ArgumentParser) -> None:
         "-j", dest="jobs", type=int, default=0, metavar="N", help="processes at once (default 0: one a core)"
     )
     add_scheduler(group)
-
-
-def add_scheduler(group: Any) -> None:
-    """Options for a scheduler of Dask that stands somewhere."""
-    group.add_argument(
-        "--scheduler", metavar="ADDRESS", help="a Dask scheduler, tcp://HOST:8786 or tls://HOST:8786, in place of -j"
-    )
-    for name, what in (("ca", "certificate of the authority"), ("cert", "own certificate"), ("key", "own key")):
-        group.add_argument(f"--tls-{name}", type=Path, metavar="FILE", help=f"{what} (PEM), for tls://")
 
 
 def run(arguments: argparse.Namespace) -> int:

@@ -12,6 +12,7 @@ from gcodesim.cli.exits import UsageError
 from gcodesim.cli.formats import add_verdict_formats, write_formats
 from gcodesim.cli.judging import add_baseline, read_baseline, write_baseline
 from gcodesim.cli.suite import Bar, add_selection, jobs_of, selected, workers_are_safe
+from gcodesim.cli.workers import add_scheduler, scheduler_of
 
 if TYPE_CHECKING:
     from gcodesim.regress import SuiteVerdict
@@ -29,6 +30,7 @@ def add_parser(commands: Any) -> None:
         "test", help="compare programs with what was accepted and expected of them", description=_DESCRIPTION
     )
     add_selection(parser)
+    add_scheduler(parser.add_argument_group("workers", "who runs the cases in place of -j; the verdict is the same"))
     parser.add_argument("-x", dest="fail_fast", action="store_true", help="stop at the first case that fails")
     parser.add_argument("-v", dest="verbose", action="store_true", help="name each case, and all that differs")
     parser.add_argument(
@@ -58,7 +60,7 @@ def run(arguments: argparse.Namespace) -> int:
         return _mutate(arguments)
     collected, how = selected(arguments)
     cache = _cache(arguments, how)
-    with workers_are_safe(), Bar(len(collected.cases)) as step:
+    with workers_are_safe(), Bar(len(collected.cases)) as step, scheduler_of(arguments) as hands:
         verdict = run_suite(
             collected,
             how,
@@ -67,6 +69,7 @@ def run(arguments: argparse.Namespace) -> int:
             cache=cache,
             reuse=arguments.changed,
             baseline=read_baseline(arguments),
+            hands=hands,
             progress=lambda case: step(case.name),
         )
     cache.tidy()
@@ -88,6 +91,8 @@ def _mutate(arguments: argparse.Namespace) -> int:
 
     if arguments.mutate < 1:
         raise UsageError("--mutate takes a number from 1 on")
+    if arguments.scheduler is not None:
+        raise UsageError("--mutate changes files here, so it takes -j and no --scheduler")
     begin = time.perf_counter()
     collected, how = selected(arguments)
     with workers_are_safe(), Bar(len(collected.cases)) as step:

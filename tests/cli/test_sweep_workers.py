@@ -1,0 +1,103 @@
+"""A sweep whose workers, client and schedulers die: after `--resume` each run stands once, as if run alone."""
+
+from __future__ import annotations
+
+import random
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from gcodesim.cli import main
+from tests.cli.test_sweep import CELL, PROGRAM
+from tests.cluster import cluster, kill
+
+__all__ = ["cluster"]
+STUDY = """program: slot.nc
+cell: cell.yaml
+vary:
+  feed: {parameter: feed, from: 200, to: 400, steps: 12}
+  depth: {parameter: depth, values: [1]}
+"""
+
+
+@pytest.fixture
+def study(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder with a study of twelve runs."""
+    folder = tmp_path / "study"
+    folder.mkdir()
+    for name, text in (("slot.nc", PROGRAM), ("cell.yaml", CELL), ("study.yaml", STUDY)):
+        (folder / name).write_text(text)
+    monkeypatch.chdir(folder)
+    return folder
+
+
+def client(*words: str) -> subprocess.Popen[bytes]:
+    command = [sys.executable, "-m", "gcodesim", "sweep", "study.yaml", "--out", "out", *words]
+    return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+
+
+def rows_kept(folder: Path) -> int:
+    journal = folder / "out" / "runs.jsonl"
+    return max(journal.read_bytes().count(b"\n") - 1, 0) if journal.is_file() else 0
+
+
+def wait_for(folder: Path, rows: int, process: subprocess.Popen[bytes]) -> None:
+    while rows_kept(folder) < rows and process.poll() is None:
+        time.sleep(0.01)
+
+
+def as_if_alone(folder: Path) -> bool:
+    """Whether tables and the runs kept are those of a sweep in one process."""
+    assert main(["sweep", "study.yaml", "--out", "alone", "-j", "1"]) == 0
+    tables = all(
+        (folder / "out" / name).read_bytes() == (folder / "alone" / name).read_bytes()
+        for name in ("runs.csv", "runs.parquet", "sweep.json")
+    )
+    runs = [sorted((folder / out / "runs.jsonl").read_bytes().splitlines()) for out in ("out", "alone")]
+    return tables and runs[0] == runs[1] and len(runs[0]) == 13
+
+
+def test_two_schedulers_die_and_a_third_process_finishes(study: Path, cluster):
+    first = cluster(workers=2)
+    process = client("--scheduler", first.address)
+    wait_for(study, 2, process)
+    kill(first.workers[0])
+    wait_for(study, 4, process)
+    kill(first.scheduler)
+    said = process.communicate()[0].decode()
+    assert process.returncode == 2, said
+    assert "the scheduler is gone" in said and "`--resume` goes on" in said
+    kept = rows_kept(study)
+    assert 4 <= kept < 12
+
+    second = cluster(workers=1)
+    process = client("--scheduler", second.address, "--resume")
+    wait_for(study, kept + 1, process)
+    kill(process)
+    assert main(["sweep", "study.yaml", "--out", "out", "--resume", "--scheduler", second.address]) == 0
+
+    assert as_if_alone(study)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(6))
+def test_whatever_dies_at_random_moments(study: Path, cluster, seed: int):
+    chance = random.Random(seed)
+    for _ in range(4):
+        one = cluster(workers=2)
+        process = client("--scheduler", one.address)
+        wait_for(study, rows_kept(study) + chance.randrange(3), process)
+        time.sleep(chance.random() * 0.3)
+        kill(chance.choice([process, one.scheduler, one.workers[0]]))
+        process.communicate()
+        one.stop()
+    process = client("-j", "2")
+    wait_for(study, rows_kept(study) + 1, process)
+    kill(process)
+    process.communicate()
+    assert main(["sweep", "study.yaml", "--out", "out", "--resume", "-j", "1"]) == 0
+
+    assert as_if_alone(study)

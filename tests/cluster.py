@@ -1,0 +1,88 @@
+"""Schedulers and workers of Dask as processes of their own, on the loopback of this machine."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import pytest
+
+_LATEST_S = 60.0
+
+
+@dataclass
+class Cluster:
+    """A scheduler with its workers; all end with the test."""
+
+    folder: Path
+    address: str = ""
+    scheduler: subprocess.Popen[bytes] | None = None
+    workers: list[subprocess.Popen[bytes]] = field(default_factory=list)
+
+    def start(self, workers: int = 0) -> None:
+        file = self.folder / "scheduler.json"
+        command = ["distributed.cli.dask_scheduler", "--host", "127.0.0.1", "--port", "0", "--no-dashboard"]
+        self.scheduler = self._process(*command, "--scheduler-file", str(file))
+        until = time.monotonic() + _LATEST_S
+        while not self.address:
+            assert time.monotonic() < until and self.scheduler.poll() is None, "the scheduler did not start"
+            time.sleep(0.05)
+            if file.is_file() and file.read_text().strip():
+                self.address = json.loads(file.read_text())["address"]
+        for _ in range(workers):
+            self.add()
+
+    def add(self, before: str = "") -> subprocess.Popen[bytes]:
+        """One more worker, whose interpreter runs the lines `before` first."""
+        own = self.folder / f"worker-{len(self.workers)}"
+        own.mkdir()
+        (own / "sitecustomize.py").write_text(before)
+        command = ["distributed.cli.dask_worker", self.address, "--nthreads", "1", "--no-nanny", "--no-dashboard"]
+        path = os.pathsep.join([str(own), os.environ.get("PYTHONPATH", "")])
+        worker = self._process(*command, "--local-directory", str(own), env={**os.environ, "PYTHONPATH": path})
+        self.workers.append(worker)
+        return worker
+
+    def _process(self, module: str, *words: str, env: dict[str, str] | None = None) -> subprocess.Popen[bytes]:
+        return subprocess.Popen(
+            [sys.executable, "-m", module, *words],
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+            cwd=self.folder,
+            env=env,
+        )
+
+    def stop(self) -> None:
+        for process in (*self.workers, *([] if self.scheduler is None else [self.scheduler])):
+            kill(process)
+
+
+def kill(process: subprocess.Popen[bytes]) -> None:
+    """`kill -9`, and wait until it is gone."""
+    if process.poll() is None:
+        process.send_signal(signal.SIGKILL)
+    process.wait()
+
+
+@pytest.fixture
+def cluster(tmp_path: Path):
+    """Makes clusters."""
+    made: list[Cluster] = []
+
+    def make(workers: int = 0) -> Cluster:
+        folder = tmp_path / f"cluster-{len(made)}"
+        folder.mkdir()
+        one = Cluster(folder=folder)
+        made.append(one)
+        one.start(workers)
+        return one
+
+    yield make
+    for one in made:
+        one.stop()

@@ -1,0 +1,95 @@
+"""Workers that are processes of their own: who may work, who dies, and what comes back."""
+
+from __future__ import annotations
+
+import time
+import tracemalloc
+
+import pytest
+
+from gcodesim.scale.crew import NoWorkersError, SchedulerLostError, crew_at, local_crew
+from gcodesim.scale.hands import Alone, Task
+from gcodesim.scale.worker import stand_in
+from tests.cluster import cluster, kill
+
+__all__ = ["cluster"]
+OTHER_VERSION = "import gcodesim.version\ngcodesim.version.__version__ = '9.9.9'\n"
+NOT_INSTALLED = """import sys
+class No:
+    def find_spec(self, name, path=None, target=None):
+        if name.split('.')[0] == 'gcodesim':
+            raise ModuleNotFoundError("No module named 'gcodesim'")
+sys.meta_path.insert(0, No())
+"""
+
+
+def tasks(count: int, takes_s: float = 0.01):
+    return (Task(key=f"{takes_s}-{number}", said={"number": number, "takes_s": takes_s}) for number in range(count))
+
+
+def numbers(ends) -> list[int]:
+    return sorted(end.made.said["number"] for end in ends)
+
+
+def test_other_versions_get_no_work_and_the_others_do_all(cluster):
+    one = cluster()
+    one.add(OTHER_VERSION)
+    one.add(NOT_INSTALLED)
+    told: list[str] = []
+
+    with pytest.raises(NoWorkersError, match="no worker may work"), crew_at(one.address, tell=told.append):
+        pass
+    one.add()
+    done = _when_one_has_joined(one.address, told)
+
+    assert done == list(range(20))
+    assert any("gcodesim 9.9.9 in place of" in text for text in told)
+    assert any("cannot be imported" in text for text in told), told
+
+
+def _when_one_has_joined(address: str, told: list[str]) -> list[int]:
+    for _ in range(100):
+        try:
+            with crew_at(address, tell=told.append) as crew:
+                return numbers(crew.do(stand_in, tasks(20)))
+        except NoWorkersError:
+            time.sleep(0.3)
+    raise AssertionError("nobody has joined")
+
+
+def test_a_killed_worker_costs_no_task_and_a_killed_scheduler_is_told(cluster):
+    one = cluster(workers=2)
+    with crew_at(one.address) as crew:
+        ends = crew.do(stand_in, tasks(40, 0.05))
+        first = [next(ends) for _ in range(5)]
+        kill(one.workers[0])
+        assert numbers([*first, *ends]) == list(range(40))
+
+        ends = crew.do(stand_in, tasks(1000, 0.06))
+        next(ends)
+        kill(one.scheduler)
+        with pytest.raises(SchedulerLostError):
+            list(ends)
+
+
+def test_a_fault_comes_back_as_text_not_as_an_object():
+    (end,) = Alone().do(stand_in, [Task(key="a", said={"number": 1, "takes_s": "x"})])
+
+    assert "could not convert string to float" in end.fault
+    assert isinstance(end.fault, str)
+
+
+@pytest.mark.slow
+def test_ten_thousand_tasks_need_no_more_memory_than_one_thousand():
+    with local_crew(2, tell=pytest.fail) as crew:
+        assert numbers(crew.do(stand_in, tasks(500, 0.001))) == list(range(500))
+        tracemalloc.start()
+        peaks = []
+        for count in (1000, 10_000):
+            tracemalloc.reset_peak()
+            before = tracemalloc.get_traced_memory()[0]
+            assert sum(1 for _ in crew.do(stand_in, tasks(count, 0.002))) == count
+            peaks.append(tracemalloc.get_traced_memory()[1] - before)
+        tracemalloc.stop()
+
+    assert peaks[1] < 1.5 * peaks[0] + 2e6
