@@ -1,0 +1,139 @@
+"""The stated bound of a volume against the true error of closed forms, on several grids that lie anywhere."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from gcodesim.material import Stock, shape
+
+MM, MM3 = 1e-3, 1e-9
+Cut = Callable[[Stock], float]
+"""Cuts a stock; the volume [mm³] that this takes, in closed form."""
+
+
+def cut(stock: Stock, points: object, tool: object) -> None:
+    at = np.asarray(points, dtype=float) * MM
+    stock.remove(at[:-1], at[1:], tool)
+
+
+def slot(angle: float, diameter: float, depth: float, length: float) -> Cut:
+    def run(stock: Stock) -> float:
+        dx, dy = 0.5 * length * math.cos(math.radians(angle)), 0.5 * length * math.sin(math.radians(angle))
+        cut(stock, [[40 - dx, 25 - dy, -depth], [40 + dx, 25 + dy, -depth]], shape.flat(diameter * MM, 30 * MM))
+        return depth * (diameter * length + math.pi / 4 * diameter**2)
+
+    return run
+
+
+def groove(stock: Stock) -> float:
+    a = np.linspace(math.pi, 2 * math.pi, 401)
+    cut(stock, np.c_[40 + 20 * np.cos(a), 25 + 20 * np.sin(a), np.full(401, -2.0)], shape.flat(6 * MM, 30 * MM))
+    return 2 * (6 * 20 * math.pi + 9 * math.pi)
+
+
+def bore(stock: Stock) -> float:
+    a = np.linspace(0, 12 * math.pi, 1201)
+    path = np.c_[40 + 5 * np.cos(a), 25 + 5 * np.sin(a), np.maximum(-a / math.pi, -10)]
+    cut(stock, path, shape.flat(6 * MM, 30 * MM))
+    return 10 * math.pi * (8**2 - 2**2)
+
+
+def ball_slot(angle: float, depth: float) -> Cut:
+    def run(stock: Stock) -> float:
+        r, h, x, y = 3.0, min(depth, 3.0), math.cos(math.radians(angle)), math.sin(math.radians(angle))
+        cut(stock, [[25, 15, -depth], [25 + 20 * x, 15 + 20 * y, -depth]], shape.ball(6 * MM, 30 * MM))
+        section = r * r * math.acos((r - h) / r) - (r - h) * math.sqrt(2 * r * h - h * h) + 6 * (depth - h)
+        return 20 * section + math.pi * h * h * (3 * r - h) / 3 + math.pi * 9 * (depth - h)
+
+    return run
+
+
+def cone(stock: Stock) -> float:
+    cut(stock, [[40, 25, 5], [40, 25, -6]], shape.cone(20 * MM, math.pi / 2, 40 * MM))
+    return math.pi * 6**3 / 3
+
+
+def chamfered(angle: float) -> Cut:
+    def run(stock: Stock) -> float:
+        x, y = 20 * math.cos(math.radians(angle)), 20 * math.sin(math.radians(angle))
+        cut(stock, [[25, 15, -3], [25 + x, 15 + y, -3]], shape.cone(20 * MM, math.pi / 2, 40 * MM))
+        return 20 * 9 + math.pi * 9
+
+    return run
+
+
+def dome(stock: Stock) -> float:
+    cut(stock, [[40, 25, 5], [40, 25, -2]], shape.ball(10 * MM, 30 * MM))
+    return math.pi * 4 * (3 * 5 - 2) / 3
+
+
+def drilled(stock: Stock) -> float:
+    point = 4 / math.tan(math.radians(59))
+    cut(stock, [[40, 25, 5], [40, 25, -10]], shape.cone(8 * MM, math.radians(118), 40 * MM))
+    return math.pi * 16 * (10 - point) + math.pi * 16 * point / 3
+
+
+FORMS = {
+    "slot": slot(0, 6, 2, 30), "turned slot": slot(30, 6, 2, 30), "slot at 45": slot(45, 6, 2, 30),
+    "narrow slot": slot(30, 2, 1, 20), "arc groove": groove, "helix bore": bore, "ball slot": ball_slot(0, 1),
+    "deep ball slot": ball_slot(0, 5), "turned ball slot": ball_slot(17, 3), "ball slot at 45": ball_slot(45, 3),
+    "cone": cone, "groove": chamfered(0), "turned groove": chamfered(30), "dome": dome, "drilled": drilled,
+}  # fmt: skip
+TIGHT = ("slot", "turned slot", "slot at 45", "narrow slot", "drilled")
+"""Forms whose error is in bends of walls: the bound is within ten times the error, whatever the grid."""
+
+
+def table(form: Cut, cell: float, seed: int) -> tuple[np.ndarray, np.ndarray]:
+    """Errors and bounds [mm³] on six grids that lie anywhere."""
+    errors, bounds = [], []
+    for x, y in (np.random.default_rng(seed).random((6, 2)) - 0.5) * cell:
+        stock = Stock.box(((x - 2) * MM, (y - 2) * MM, -15 * MM), ((x + 82) * MM, (y + 52) * MM, 0), cell * MM)
+        before = stock.volume
+        exact = form(stock)
+        errors.append(abs((before - stock.volume) / MM3 - exact))
+        bounds.append(stock.error_bound() / MM3)
+    return np.array(errors), np.array(bounds)
+
+
+@pytest.mark.parametrize("cell", [1.0, 0.5, 0.25])
+@pytest.mark.parametrize("name", FORMS)
+def test_the_bound_is_never_exceeded_and_not_far_above(name: str, cell: float) -> None:
+    """The mean bound over the root mean square of the errors: of a single grid the error may be 0 by chance."""
+    errors, bounds = table(FORMS[name], cell, seed=int(100 * cell))
+
+    assert (errors <= bounds).all()
+    if name == "groove":  # its two flanks undo each other's errors wherever it lies
+        return
+    typical = float(bounds.mean() / np.sqrt((errors**2).mean()))
+    assert typical <= (10.0 if name in TIGHT else 80.0), typical
+
+
+@pytest.mark.parametrize("pitch", [0.3, 0.6, 1.0, 1.3, 2.0])
+@pytest.mark.parametrize("cell", [0.5, 0.25, 0.13])
+def test_ball_raster(pitch: float, cell: float) -> None:
+    """Rows of cusps, of which a grid with a like pitch sees only some heights; the pitch is above that of the grid."""
+    if pitch <= cell:
+        pytest.skip("the columns cannot see rows as narrow as they are")
+    rows = np.arange(-5.02, 55, pitch)
+    stock = Stock.box((0, 0, -15 * MM), (80 * MM, 50 * MM, 0), cell * MM)
+    for y in rows:
+        cut(stock, [[-9, y, -1], [89, y, -1]], shape.ball(6 * MM, 30 * MM))
+    ends = np.r_[0.0, [y for y in 0.5 * (rows[1:] + rows[:-1]) if 0 < y < 50], 50.0]
+    nearest = rows[np.abs(rows[:, None] - 0.5 * (ends[1:] + ends[:-1])).argmin(axis=0)]
+    under = lambda u: 0.5 * (u * np.sqrt(9 - u * u) + 9 * np.arcsin(u / 3))  # noqa: E731
+    cusps = 3 * (ends[1:] - ends[:-1]) - (under(ends[1:] - nearest) - under(ends[:-1] - nearest))
+    exact = 80 * (50 - float(cusps.sum()))
+
+    assert abs(60_000 - stock.volume / MM3 - exact) <= stock.error_bound() / MM3
+
+
+def test_a_straight_wall_is_exact_and_says_so() -> None:
+    stock = Stock.box((0, 0, -15 * MM), (80 * MM, 50 * MM, 0), 0.25 * MM)
+    cut(stock, [[-15, 25.13, -3], [95, 25.13, -3]], shape.flat(8 * MM, 30 * MM))
+
+    error = abs(60_000 - stock.volume / MM3 - 1920)
+    assert error <= stock.error_bound() / MM3 < 1e-3
