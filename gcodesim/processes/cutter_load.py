@@ -9,6 +9,7 @@ several teeth cut at once. Chatter is judged by the lobes of `stability`, with t
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from math import inf
 from typing import TYPE_CHECKING, Final
 
@@ -187,17 +188,13 @@ def _chip(
 ) -> Diagnostic:
     first = int(event[0])
     words = "at most" if what == "thick" else "at least"
-    return Diagnostic(
-        code=code,
-        span=rows.span(first),
-        message=f"chips of {rows.tool_name(first)} are {value / MM:.4f} mm thick; its `chip_load` is {words} "
+    return rows.told(
+        event,
+        code,
+        f"chips of {rows.tool_name(first)} are {value / MM:.4f} mm thick; its `chip_load` is {words} "
         f"{limit / MM:.4f} mm",
-        hint=f"{hint}, or turn {'faster' if what == 'thick' else 'slower'}",
-        count=len(event),
-        time=float(rows.time[first]),
-        value=value / MM,
-        limit=limit / MM,
-        unit="mm",
+        f"{hint}, or turn {'faster' if what == 'thick' else 'slower'}",
+        (value / MM, limit / MM, "mm"),
     )
 
 
@@ -208,15 +205,12 @@ def _chatter(rows: Rows, event: NDArray[np.intp], tool: Cutter) -> Diagnostic:
     mode = tool.dynamics
     assert mode is not None
     pocket = MINUTE * mode.frequency / tool.flutes
-    return Diagnostic(
-        code="GS517",
-        span=rows.span(worst),
-        message=f"{rows.tool_name(worst)} may chatter: it cuts {depth / MM:.3f} mm deep where {stable / MM:.3f} mm is "
+    found = rows.told(
+        event,
+        "GS517",
+        f"{rows.tool_name(worst)} may chatter: it cuts {depth / MM:.3f} mm deep where {stable / MM:.3f} mm is "
         f"stable (lobes of a mode of {mode.frequency:g} Hz)",
-        hint=f"cut less deep, or turn near {pocket:.0f} rpm or a half, a third … of it",
-        count=len(event),
-        time=float(rows.time[worst]),
-        value=depth / MM,
-        limit=stable / MM,
-        unit="mm",
+        f"cut less deep, or turn near {pocket:.0f} rpm or a half, a third … of it",
+        (depth / MM, stable / MM, "mm"),
     )
+    return replace(found, span=rows.span(worst), time=float(rows.time[worst]))  # where it is worst, not where it begins

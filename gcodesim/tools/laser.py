@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from math import pi
-from typing import ClassVar, Literal
+from typing import ClassVar
 
 from gcodesim.declarations.keys import key
-from gcodesim.declarations.kind import NOT_NEGATIVE, POSITIVE, Range
-from gcodesim.declarations.plain_kinds import Choice
+from gcodesim.declarations.kind import POSITIVE, Range
 from gcodesim.declarations.quantity import Quantity
 from gcodesim.frozen import frozen
-from gcodesim.tools.beam_tool import BeamTool
+from gcodesim.tools.heat_beam import HeatBeam
 from gcodesim.units import UM
 
 
@@ -20,7 +19,7 @@ def _rayleigh(diameter: float, beam_quality: float, wavelength: float) -> float:
 
 
 @frozen
-class Laser(BeamTool):
+class Laser(HeatBeam):
     """A laser. `diameter` is that at which a Gaussian beam has 1/e² of its greatest intensity (ISO 11146)."""
 
     kind: ClassVar[str] = "laser"
@@ -29,18 +28,6 @@ class Laser(BeamTool):
     power: float = key(Quantity("power", POSITIVE), "full power of the beam", example="40 W")
     absorptivity: float = key(
         Quantity("ratio", Range(above=0.0, most=1.0)), "share of the power that the material takes up", default=1.0
-    )
-    specific_energy: float | None = key(
-        Quantity("energy per volume", POSITIVE),
-        "what it takes to remove material",
-        default=None,
-        rule="to melt the stock's material; of materials without data nothing is removed",
-    )
-    threshold: float = key(
-        Quantity("energy per area", NOT_NEGATIVE), "dose that a place takes up before material goes", default=0.0
-    )
-    profile: Literal["gaussian", "top_hat", "flat"] = key(
-        Choice(("gaussian", "top_hat", "flat")), "how the power spreads over the spot", default="gaussian"
     )
     wavelength: float = key(Quantity("length", POSITIVE), "wavelength of the light", default=1.06 * UM)
     beam_quality: float = key(

@@ -3,20 +3,20 @@
 from __future__ import annotations
 
 from math import inf
-from typing import ClassVar, Literal
+from typing import ClassVar
 
 from gcodesim.arithmetic.scalars import tan
 from gcodesim.declarations.keys import key
-from gcodesim.declarations.kind import NOT_NEGATIVE, POSITIVE, Range
+from gcodesim.declarations.kind import POSITIVE, Range
 from gcodesim.declarations.plain_kinds import Choice
 from gcodesim.declarations.quantity import Quantity
 from gcodesim.frozen import frozen
-from gcodesim.tools.beam_tool import BeamTool
+from gcodesim.tools.heat_beam import HeatBeam, Profile
 from gcodesim.units import MM
 
 
 @frozen
-class Plasma(BeamTool):
+class Plasma(HeatBeam):
     """A torch. `diameter` is the width of its kerf at the tip, `taper` by how much each wall leans inwards below."""
 
     kind: ClassVar[str] = "plasma"
@@ -26,16 +26,7 @@ class Plasma(BeamTool):
     efficiency: float = key(
         Quantity("ratio", Range(above=0.0, most=1.0)), "share of the power that melts material", default=0.3
     )
-    specific_energy: float | None = key(
-        Quantity("energy per volume", POSITIVE),
-        "what it takes to remove material",
-        default=None,
-        rule="to melt the stock's material; of materials without data nothing is removed",
-    )
-    threshold: float = key(
-        Quantity("energy per area", NOT_NEGATIVE), "dose that a place takes up before material goes", default=0.0
-    )
-    profile: Literal["gaussian", "top_hat", "flat"] = key(
+    profile: Profile = key(
         Choice(("gaussian", "top_hat", "flat")), "how the power spreads over the kerf", default="flat"
     )
     taper: float = key("angle", "lean of each wall of the kerf, which narrows downwards", default=0.0)

@@ -501,6 +501,16 @@ CODES += (
         remedy="Write M5, or end with M2 or M30.",
     ),
     Code(
+        code="GS178",
+        severity=Severity.WARNING,
+        title="Filament drawn back while a bead should be laid",
+        what="E falls while the head moves: on more than a quarter of the moves with filament, or by more than 25 mm,"
+        " which no wipe does.",
+        why="The control takes E words for places, so an E that begins anew, or counts steps, pulls filament out of"
+        " the nozzle where it should push; the print fails at this line.",
+        remedy="Write M83 where E words are steps, and G92 E0 where they begin anew.",
+    ),
+    Code(
         code="GS186",
         severity=Severity.WARNING,
         title="Unit changes in mid-program",

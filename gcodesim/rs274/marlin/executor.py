@@ -26,6 +26,7 @@ from gcodesim.rs274.settings import MappedAction
 from gcodesim.rs274.state import Vector
 from gcodesim.rs274.tool_table import ToolEntry
 from gcodesim.rs274.watch import Watches
+from gcodesim.rs274.watch.filament import FallingFilament
 
 _KNOWN_G: Final = frozenset((12, 26, 27, 29, 30, 31, 32, 33, 34, 35, 42, 53, 60, 61, 76, 80, 425))
 """G codes that are read and not simulated; all others move, so that what follows would be wrong."""
@@ -37,7 +38,7 @@ class PrinterExecutor(Executor):
     def __init__(self, run: Run) -> None:
         super().__init__(run)
         self.settings = self.control.settings = replace(run.settings, loaded_tool=0)
-        self.watches = Watches(())
+        self.watches = Watches((FallingFilament,))
         limits, self.source_of_limits = first_limits(self.dialect.name, run.source)
         self.printer = Printer(limits=limits)
         if (retraction := first_retraction(run.source)) is not None:
@@ -77,6 +78,7 @@ class PrinterExecutor(Executor):
             self._check_sum(line)
             if line.name or line.values:
                 self._do(line)
+            self._watch(control.out)
         except Fault as fault:
             control.out.clear()
             self._fault(fault, file, index, text, None)

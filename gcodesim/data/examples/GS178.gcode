@@ -1,0 +1,10 @@
+M203 Z50
+G28
+G1 Z3 F3000
+G1 X20 Y30
+G1 X60 E267.2 F1200
+G1 X20 E534.4
+; the next layer begins at E0, and nothing says so
+G1 Z6
+G1 X60 E267.2
+G1 X20 E534.4
