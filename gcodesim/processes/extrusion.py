@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from gcodesim.arithmetic.matrices import norms
 from gcodesim.arithmetic.scalars import tan
 from gcodesim.frozen import frozen
-from gcodesim.processes.column import ADDED, ENGAGED, RESULTS, Column, Shown
+from gcodesim.processes.column import ADDED, ENGAGED, FINDINGS, RESULTS, Column, Shown
 from gcodesim.processes.protocol import Process
 from gcodesim.processes.signal import ACTIVE, BEAD_HEIGHT, BEAD_WIDTH, FLOW, Signal
 from gcodesim.processes.window import ProcessState, ProcessStep, Window, sums_by_step
@@ -56,6 +56,7 @@ class Extrusion(Process):
         Column("unsupported", "m", "sum", RESULTS, "laid where nothing is below"),
         Column("laid_length", "m", "sum", RESULTS, "way on which a bead was laid"),
         Column("meant", "m^3", "sum", RESULTS, "volume of beads of the width and height that are named"),
+        Column("built", "m", "greatest", FINDINGS, "height of the beads of a paste on the first of them"),
     )
 
     extruder: Extruder
@@ -79,7 +80,7 @@ class Extrusion(Process):
 
         if self.extruder.rays is not None:
             return ProcessState(values=np.zeros(1))
-        return ProcessState(values=np.full(CARRY, np.inf))
+        return ProcessState(values=np.full(CARRY + 1, np.inf))  # the last is the level on which a paste was begun
 
     def run(self, stock: Stock | None, window: Window, state: ProcessState) -> ProcessStep:
         """Add to `stock` (in place) what goes through the nozzle along the pieces of `window`."""
@@ -106,6 +107,7 @@ class Extrusion(Process):
                 "added": sums_by_step(step, found.volume, n),
                 "unsupported": sums_by_step(step, hanging, n),
                 "laid_length": sums_by_step(step, length, n),
+                "built": self._built(end, step, n, state),
             }
         return ProcessStep.free(n, columns)
 
@@ -150,7 +152,16 @@ class Extrusion(Process):
             "meant": asked,
         }
         sums = {name: sums_by_step(step, values, n) for name, values in columns.items()}
+        sums["built"] = self._built(end, step, n, state)
         return ProcessStep.free(n, {**sums, "engaged": sums["extruded"] > 0.0})
+
+    def _built(self, ends: Array, step: NDArray[np.int64], n: int, state: ProcessState) -> Array:
+        """How high (n,) [m] the beads stand that end at `ends` (c, 3), of a paste; 0 of what sets at once."""
+        built = np.zeros(n)
+        if self.extruder.paste is not None:
+            state.values[-1] = min(state.values[-1], float(ends[:, 2].min()) - self.extruder.bead_height)
+            np.maximum.at(built, step, ends[:, 2] - state.values[-1])
+        return built
 
     def _by_rays(
         self, stock: Stock | None, window: Window, volume: Array | None, rays: RayCone, state: ProcessState
@@ -182,7 +193,11 @@ class Extrusion(Process):
 
     @classmethod
     def findings(cls, rows: Rows) -> Iterable[Diagnostic]:
-        """GS520 to GS524: beads in the air, of another size than flow allows, beside the stock, or without room."""
-        from gcodesim.processes.printing import printing_findings
+        """GS520 to GS524: beads in the air, of another size than flow allows, beside the stock, or without room.
 
-        return printing_findings(rows)
+        GS528 and GS529: pastes that do not stand.
+        """
+        from gcodesim.processes.printing import paste_findings, printing_findings
+
+        yield from printing_findings(rows)
+        yield from paste_findings(rows)

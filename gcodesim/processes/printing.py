@@ -10,6 +10,8 @@ from numpy.typing import NDArray
 
 from gcodesim.diagnostics import Diagnostic
 from gcodesim.processes.rows import Rows
+from gcodesim.tools.extruder import Extruder
+from gcodesim.tools.paste import Paste
 from gcodesim.units import MM, MM3
 
 Array = NDArray[np.float64]
@@ -119,3 +121,33 @@ def _off_size(rows: Rows, volume: Array) -> Iterator[Diagnostic]:
     message += f", {abs(flow / wanted - 1.0):.0%} {less} flows"
     hint = "check E, `filament_diameter`, `bead_width` and `bead_height`"
     yield rows.told(off, "GS524", message, hint, (flow, wanted, "mm²"))
+
+
+def paste_findings(rows: Rows) -> Iterator[Diagnostic]:
+    """GS528: beads of a paste higher than it stands; GS529: more on the lowest of them than they carry by then."""
+    built = rows["built"]
+    for number, tool in rows.tools.items():
+        laid = np.flatnonzero((rows.tool == number) & (built > 0.0))
+        if not isinstance(tool, Extruder) or tool.paste is None or not len(laid):
+            continue
+        paste = tool.paste
+        height, fresh = tool.bead_height, paste.standing(0.0)
+        if height > fresh:
+            message = f"beads of {height / MM:.0f} mm slump: {_name(paste)} stands {fresh / MM:.0f} mm as it is laid"
+            yield rows.told(laid, "GS528", message, "lay thinner beads", (height / MM, fresh / MM, "mm"))
+            continue
+        age = rows.time[laid] - rows.time[laid[0]]
+        carried = np.array([paste.standing(float(seconds)) for seconds in age])
+        over = np.flatnonzero(built[laid] > carried)
+        if len(over):
+            first = over[0]
+            message = (
+                f"{built[laid[first]] / MM:.0f} mm stand on {_name(paste)} that is {age[first]:.0f} s old and carries "
+                f"{carried[first] / MM:.0f} mm: the lowest beads yield"
+            )
+            hint = "build more slowly, wait between layers, or use a paste that sets faster"
+            yield rows.told(laid[over], "GS529", message, hint, (built[laid[first]] / MM, carried[first] / MM, "mm"))
+
+
+def _name(paste: Paste) -> str:
+    return paste.like or "the paste"

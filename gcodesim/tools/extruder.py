@@ -11,6 +11,7 @@ from gcodesim.declarations.plain_kinds import Whole
 from gcodesim.declarations.quantity import Quantity
 from gcodesim.frozen import frozen
 from gcodesim.tools.body import Primitive, cone, cylinder
+from gcodesim.tools.paste import Paste
 from gcodesim.tools.tool import Tool
 from gcodesim.units import MM
 
@@ -48,6 +49,13 @@ class Extruder(Tool):
         RayCone, "throws particles along rays in place of laying a bead, also where the tool leans", default=None
     )
 
+    paste: Paste | None = key(
+        Paste,
+        "what it lays stands as a paste does, such as concrete or clay: beads that slump, or yield below others, are "
+        "told",
+        default=None,
+    )
+
     @property
     def bead_area(self) -> float:
         """Cross-section of the bead [m²]: (w - h) h + pi h²/4."""
@@ -77,6 +85,9 @@ class Extruder(Tool):
                     f"{self.bead_width / MM:g} mm: a bead is at least as wide as high",
                 )
             )
+        if self.paste is not None:
+            missing = self.paste.missing
+            found += [("paste", f"`paste` has no `{name}`, and is like none that is known") for name in missing]
         return found
 
     def _positive(self) -> dict[str, float]:

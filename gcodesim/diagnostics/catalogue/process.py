@@ -181,6 +181,24 @@ CODES: tuple[Code, ...] = (
         remedy="Travel faster, feed less wire, or correct `bead_width` of the torch.",
     ),
     Code(
+        code="GS528",
+        severity=Severity.ERROR,
+        title="Beads of a paste slump",
+        what="A bead is higher than its paste stands as it leaves the nozzle: its own weight passes the yield stress,"
+        " density g h / sqrt(3).",
+        why="Concrete or clay that is too soft runs flat, and the wall is lost with its first layer.",
+        remedy="Lay thinner beads, or use a stiffer paste. Its constants stand under `paste` of the extruder.",
+    ),
+    Code(
+        code="GS529",
+        severity=Severity.ERROR,
+        title="Lowest beads of a paste yield",
+        what="What was laid on the lowest beads weighs more than their yield stress carries at their age.",
+        why="A wall that grows faster than its foot sets collapses. Buckling, which comes earlier in slender walls, is"
+        " not computed.",
+        remedy="Build more slowly, wait between layers, or use a paste that sets faster.",
+    ),
+    Code(
         code="GS530",
         severity=Severity.ERROR,
         title="Film too thin",
