@@ -98,3 +98,16 @@ def test_wrong_use(folder: Path, capsys: pytest.CaptureFixture[str], words: list
         status = end.code
     assert status == 2
     assert says in capsys.readouterr().err
+
+
+def test_another_control_that_reads_g_code(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["post", "part.nc", "--for", "fanuc", "-o", "other"]) == 0
+    text = Path("other/part.fanuc.nc").read_text()
+    assert "o<down>" not in text and "G1 Z2. F300." in text
+    assert main(["post", "part.nc", "--for", "fanuc", "-o", "other"]) == 0  # its own file it may overwrite
+
+    Path("part.nc").write_text("G0 X1\nM64 P1\nM2\n")
+    assert main(["post", "part.nc", "--for", "grbl"]) == 1
+    assert "part.nc:2:1: error GS801: not posted: grbl cannot say an output" in capsys.readouterr().out
+    assert main(["post", "part.nc", "--for", "grbl", "--motion", "joint"]) == 2
+    assert "--motion means nothing" in capsys.readouterr().err

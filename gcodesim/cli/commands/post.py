@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import argparse
 import tempfile
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
-from gcodesim.cli.exits import OK, UsageError, status_of
+from gcodesim.cli.exits import FINDINGS, OK, UsageError, status_of
 from gcodesim.cli.language import Language
 from gcodesim.cli.moments import open_recording, reads_logs
 from gcodesim.cli.nearest import no_such
@@ -15,7 +16,7 @@ from gcodesim.cli.options import add_cell, add_fail_on, add_format, add_language
 from gcodesim.cli.outline import may_be
 from gcodesim.cli.output import print_count, print_findings, print_json
 from gcodesim.cli.overwriting import refuse_foreign
-from gcodesim.diagnostics import Diagnostic, Severity
+from gcodesim.diagnostics import Diagnostic, Severity, SourceText
 from gcodesim.files.output_folder import LOG_NAME
 from gcodesim.post import LANGUAGES
 
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
     from gcodesim.jobs.job import Job
     from gcodesim.post.from_plan import Wish
 
+_TOLERANCE: Final = 0.01  # mm
 _HELP: Final = """languages of robots:
   krl       KUKA: NAME.src and NAME.dat
   rapid     ABB: NAME.mod
@@ -30,20 +32,24 @@ _HELP: Final = """languages of robots:
   fanuc-ls  Fanuc: NAME.ls
 `gcodesim list posts` names those of other packages too.
 
+controls that read G-code, for a program (`gcodesim list dialects`): fanuc, grbl, linuxcnc, marlin, rs274 …
+  the program with loops, calls, parameters and cycles unrolled, proven to give the same canonical events
+
 examples:
   gcodesim post out --for krl
   gcodesim post out --for rapid --motion joint --tolerance 0.05
   gcodesim post part.nc --cell arm.yaml --for urscript --signal spindle=3
+  gcodesim post part.ngc --for grbl
 """
 
 
 def add_parser(commands: Any) -> None:
     parser = commands.add_parser(
         "post",
-        help="what was checked, as a program of a robot's own control",
+        help="what was checked, as a program of a robot's own control; G-code for another control",
         description="Write the path of a finished run, or of a program that is checked now, as a program of the robot's"
         " own control: points, speeds, rounded corners, frames, tools, external axes, outputs. What cannot be said"
-        " there is told.",
+        " there is told. Or write a G-code program for another control that reads G-code.",
         epilog=_HELP,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
@@ -52,7 +58,7 @@ def add_parser(commands: Any) -> None:
     )
     may_be(
         parser.add_argument("--for", dest="target", metavar="LANGUAGE", required=True, help="one of those below"),
-        lambda: tuple(LANGUAGES),
+        lambda: (*LANGUAGES, *_dialects()),
     )
     parser.add_argument("-o", "--out", type=Path, metavar="DIR", help="the folder for the files (default: this one)")
     parser.add_argument(
@@ -64,7 +70,7 @@ def add_parser(commands: Any) -> None:
     parser.add_argument(
         "--tolerance",
         type=_length,
-        default=0.01,
+        default=_TOLERANCE,
         metavar="MM",
         help="how far the tip may be off between two points (default: 0.01 mm)",
     )
@@ -87,14 +93,55 @@ def run(arguments: argparse.Namespace) -> int:
     from gcodesim.post.from_plan import Wish
     from gcodesim.units import MM
 
+    if arguments.target in _dialects():
+        return _translate(arguments)
     if arguments.target not in LANGUAGES:
-        raise UsageError(no_such("language", arguments.target, LANGUAGES))
+        raise UsageError(no_such("language", arguments.target, (*LANGUAGES, *_dialects())))
     signals = dict(_signal(text) for text in arguments.signal)
     wish = Wish(motion=arguments.motion, tolerance=arguments.tolerance * MM, signals=signals)
     if arguments.program.is_dir() or arguments.program.suffix == Path(LOG_NAME).suffix:
         with tempfile.TemporaryDirectory(prefix="gcodesim-") as scratch:
             return _write(arguments, _job_of_run(arguments, Path(scratch)), wish)
     return _write(arguments, _job_of_program(arguments), wish)
+
+
+def _dialects() -> tuple[str, ...]:
+    from gcodesim.rs274.dialects import DIALECTS
+
+    return tuple(DIALECTS)
+
+
+def _translate(arguments: argparse.Namespace) -> int:
+    """The program for another control that reads G-code."""
+    from dataclasses import replace
+
+    from gcodesim.cli.language import reading_of
+    from gcodesim.post.gcode_program import PRINTERS
+    from gcodesim.post.translation import translated
+    from gcodesim.rs274 import ToolTable
+
+    given = {
+        "--signal": bool(arguments.signal),
+        "--motion": arguments.motion != "linear",
+        "--tolerance": arguments.tolerance != _TOLERANCE,
+    }
+    for option, wanted in given.items():
+        if wanted:
+            raise UsageError(f"{option} means nothing for {arguments.target}, which reads G-code")
+    if arguments.program.is_dir() or arguments.program.suffix == Path(LOG_NAME).suffix:
+        raise UsageError(f"for {arguments.target}, give the program, not its run")
+    reading = reading_of(arguments, arguments.program)
+    if reading.run is None:
+        print_findings(reading.findings(), reading.sources)
+        return FINDINGS
+    settings = reading.run.settings
+    if arguments.cell is None and arguments.tools is None:
+        settings = replace(settings, tool_table=ToolTable())  # those that were only assumed
+    found = translated(reading.program, settings, arguments.target)
+    suffix = ".gcode" if arguments.target in PRINTERS else ".nc"
+    name = f"{Path(reading.program.name).stem}.{arguments.target}{suffix}"
+    files = {} if found.text is None else {name: found.text}
+    return _finish(arguments, reading.program.name, files, list(found.findings), reading.sources)
 
 
 def _job_of_run(arguments: argparse.Namespace, scratch: Path) -> Job:
@@ -145,7 +192,6 @@ def _job_of_program(arguments: argparse.Namespace) -> Job:
 
 def _write(arguments: argparse.Namespace, job: Job, wish: Wish) -> int:
     from gcodesim.diagnostics import Span
-    from gcodesim.files.whole_file import write_whole
     from gcodesim.post.from_plan import NotPostedError, program_of
 
     language = LANGUAGES[arguments.target]()
@@ -157,13 +203,27 @@ def _write(arguments: argparse.Namespace, job: Job, wish: Wish) -> int:
         files, findings = dict(written.files), [*unsaid, *written.findings]
     except NotPostedError as reason:
         findings.append(Diagnostic(code="GS801", span=Span(job.program.name), message=f"not posted: {reason}"))
-    findings = job.shown(sorted(findings, key=lambda finding: finding.order))
+    shown = job.shown(sorted(findings, key=lambda finding: finding.order))
+    return _finish(arguments, job.program.name, files, shown, job.sources)
+
+
+def _finish(
+    arguments: argparse.Namespace,
+    name: str,
+    files: dict[str, str],
+    findings: list[Diagnostic],
+    sources: Mapping[str, SourceText],
+) -> int:
+    """Write the files and say what there is to say."""
+    from gcodesim.files.whole_file import write_whole
+
     folder: Path = arguments.out or Path()
-    paths = [folder / name for name in files]
+    paths = [folder / file for file in files]
     for path in paths:
         refuse_foreign(path)
     try:
-        folder.mkdir(parents=True, exist_ok=True)
+        if paths:
+            folder.mkdir(parents=True, exist_ok=True)
         for path, text in zip(paths, files.values(), strict=True):
             write_whole(path, text.encode("ascii"))
     except OSError as error:
@@ -173,8 +233,8 @@ def _write(arguments: argparse.Namespace, job: Job, wish: Wish) -> int:
 
         print_json({"schema": "gcodesim-post/1", "files": sorted(files), "findings": [as_json(f) for f in findings]})
     else:
-        print_findings(findings, job.sources)
-        print_count(job.program.name, findings)
+        print_findings(findings, sources)
+        print_count(name, findings)
         for path in paths:
             print(f"wrote {path}")
     return status_of(findings, arguments.fail_on) if findings else OK
