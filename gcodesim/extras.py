@@ -8,6 +8,7 @@ EXTRAS: Final = {
     "dae": ("pycollada",),
     "compile": ("numba",),
     "live": ("foxglove-sdk",),
+    "lsp": ("pygls",),
     "mcp": ("mcp",),
     "plot": ("matplotlib",),
     "report": ("metaflow-card-uplot",),

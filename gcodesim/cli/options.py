@@ -162,7 +162,7 @@ def add_language(parser: argparse.ArgumentParser) -> None:
     dialect = group.add_argument(
         "--dialect", metavar="NAME", help="linuxcnc (default), rs274 …; see `gcodesim list dialects`"
     )
-    may_be(dialect, _dialects)
+    may_be(dialect, dialects)
     group.add_argument("--tools", type=Path, metavar="FILE", help="tool table of the control (tool.tbl)")
     group.add_argument(
         "--subs",
@@ -200,7 +200,8 @@ def add_language(parser: argparse.ArgumentParser) -> None:
     group.add_argument("--time-limit", type=float, metavar="S", help="stop reading a program after S seconds")
 
 
-def _dialects() -> list[str]:
+def dialects() -> list[str]:
+    """The names of all dialects."""
     from gcodesim.rs274.dialects import DIALECTS
 
     return list(DIALECTS)

@@ -36,6 +36,7 @@ COMMANDS = (
     "schema",
     "completion",
     "mcp",
+    "lsp",
     "warm_up",
 )
 

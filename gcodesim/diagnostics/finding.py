@@ -105,6 +105,14 @@ class Findings:
         for finding in findings:
             self.add(finding)
 
+    def copy(self) -> Findings:
+        """The same findings in a list of its own."""
+        return Findings(dict(self._items))
+
+    def by_key(self) -> Mapping[tuple[object, ...], Diagnostic]:
+        """The findings by the keys under which they are folded, in the order in which they were found."""
+        return self._items
+
     def change(self, changed: Mapping[Diagnostic, Diagnostic]) -> None:
         """Replace findings by others: what was known before a run may be more severe after it."""
         self._items = {key: changed.get(finding, finding) for key, finding in self._items.items()}

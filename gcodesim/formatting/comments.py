@@ -8,7 +8,7 @@ from typing import NamedTuple
 from gcodesim.rs274.tokens import Token
 
 
-class Parts(NamedTuple):
+class CommentedLine(NamedTuple):
     """A line in the style: its words, the comment at its end, and where that stood: its column, and the gap before."""
 
     code: str
@@ -28,7 +28,7 @@ def place_of_comment(text: str, tokens: Sequence[Token]) -> tuple[int, int]:
     return column, column - len(text[: tokens[-2].place[1]].expandtabs())
 
 
-def joined(lines: Sequence[Parts], longest: int) -> list[str]:
+def joined(lines: Sequence[CommentedLine], longest: int) -> list[str]:
     """The lines with their comments: one blank before each, but those of a column in one column.
 
     A column goes on over lines without a comment, and ends at an empty one and at a comment that stands elsewhere. No
@@ -48,7 +48,7 @@ def joined(lines: Sequence[Parts], longest: int) -> list[str]:
     return texts
 
 
-def _align(group: Sequence[int], lines: Sequence[Parts], texts: list[str], longest: int) -> None:
+def _align(group: Sequence[int], lines: Sequence[CommentedLine], texts: list[str], longest: int) -> None:
     """Put the comments of a group as far behind the longest of its lines as they were."""
     if len(group) < 2:
         return

@@ -9,7 +9,7 @@ from dataclasses import replace
 from typing import Final
 
 from gcodesim.diagnostics import Diagnostic, SourceText, Span
-from gcodesim.formatting.comments import Parts, ends_in_comment, joined, place_of_comment
+from gcodesim.formatting.comments import CommentedLine, ends_in_comment, joined, place_of_comment
 from gcodesim.formatting.indentation import depths_of
 from gcodesim.formatting.line import line_text
 from gcodesim.formatting.numbering import Numbering, renumbered
@@ -68,31 +68,33 @@ def _lines(
 ) -> tuple[list[str], tuple[int, ...]]:
     indents = style.indent and dialect.flow_words and not dialect.statements and not dialect.prints
     depths = depths_of(file) if indents else [0] * len(file.lines)
-    lines, unread = list[Parts](), []
+    lines, unread = list[CommentedLine](), []
     for index, depth in enumerate(depths):
         try:
             lines.append(_parts(file, index, depth, style, dialect, numbering))
         except Fault:
-            lines.append(Parts(file.lines[index]))
+            lines.append(CommentedLine(file.lines[index]))
             unread.append(index + 1)
     return joined(lines, dialect.longest_line), tuple(unread)
 
 
-def _parts(file: ProgramFile, index: int, depth: int, style: Style, dialect: Dialect, numbering: Numbering) -> Parts:
+def _parts(
+    file: ProgramFile, index: int, depth: int, style: Style, dialect: Dialect, numbering: Numbering
+) -> CommentedLine:
     """The line in the style; without blanks where it would become too long for the control."""
     tokens = file.tokens(index)
     if not tokens or (len(tokens) == 1 and tokens[0].kind == VERBATIM):
-        return Parts(tokens[0].text if tokens else "")
+        return CommentedLine(tokens[0].text if tokens else "")
     numbers = numbering.texts.get(index, {})
     indent = " " * (style.indent * depth)
     text = indent + line_text(tokens, style, dialect, numbers)
     if len(text) > dialect.longest_line:
-        return Parts(line_text(tokens, replace(style, spaces=False), dialect, numbers))
+        return CommentedLine(line_text(tokens, replace(style, spaces=False), dialect, numbers))
     if not (style.spaces and ends_in_comment(tokens)):
-        return Parts(text)
+        return CommentedLine(text)
     column, gap = place_of_comment(file.lines[index], tokens)
     code = indent + line_text(tokens[:-1], style, dialect, numbers)
-    return Parts(code, tokens[-1].text.rstrip(), column, gap)
+    return CommentedLine(code, tokens[-1].text.rstrip(), column, gap)
 
 
 def _written(program: SourceText, texts: Sequence[str]) -> SourceText:

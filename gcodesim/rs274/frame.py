@@ -40,6 +40,10 @@ class Frame:
         """Whether each move calls a macro (G66 of Fanuc)."""
         return False
 
+    def resume(self, file: ProgramFile) -> None:
+        """Go on in another text of the same file, whose lines up to here are the same."""
+        self.file = file
+
     def situation(self) -> tuple[object, ...]:
         """What of it decides how the program goes on, as a copy."""
         file = (id(self.file), self.at, self.name, self.first, self.by_m98, self.rounds)

@@ -110,7 +110,12 @@ def lint(source: SourceText, settings: Settings | None = None) -> Findings:
 
 def file_of(source: SourceText, settings: Settings | None = None) -> ProgramFile:
     """The lines of a program as the control of the settings' dialect reads them; nothing is executed."""
-    return _executor_of(DIALECTS[(settings or Settings()).dialect])(interpret(source, settings)).file
+    return executor_of(source, settings or Settings()).file
+
+
+def executor_of(source: SourceText, settings: Settings) -> Executor:
+    """One execution of a program that somebody else takes step by step."""
+    return _executor_of(DIALECTS[settings.dialect])(Run(source, settings))
 
 
 class Executor:
@@ -138,6 +143,7 @@ class Executor:
         self.next_clock = _CHECK_CLOCK_EVERY
         self.faults = 0
         self.given_up = False  # the file is in another language
+        self._broken_off = False
         self.told: dict[tuple[str, str], set[tuple[str, int, int]]] = {}  # where each message was given
         self.kinds: dict[str, set[str]] = {}  # messages of the warnings with one code
         self.lanes = Lanes(run.source, settings, self.control, self.flow) if type(self) is Executor else None
@@ -161,8 +167,19 @@ class Executor:
         return file, control, FlowControl(control, file, self.reader, self.folders)
 
     def events(self) -> Generator[canon.Event | MoveBatch, Feedback, None]:
-        control, flow = self.control, self.flow
-        out = control.out
+        yield from self.begin()
+        while not self.over:
+            yield from self.step()
+        self.finish()
+
+    @property
+    def over(self) -> bool:
+        """Whether nothing is left to be executed."""
+        return self.control.finished or self._broken_off
+
+    def begin(self) -> Iterator[canon.Event]:
+        """What is said before the first line."""
+        control = self.control
         control.span = Span(self.file.name)
         for fault in preset(control.parameters, self.settings.presets):
             self._report(Diagnostic(code=fault.code, message=fault.message, span=control.span, hint=fault.hint), None)
@@ -173,76 +190,87 @@ class Executor:
         if control.state.point_control:
             tool_point.say(control)
         load_first_tool(control)
-        self.watches.events(out)
-        yield from out
-        out.clear()
+        self.watches.events(control.out)
+        yield from control.out
+        control.out.clear()
         self._tell_of_lathe()
-        while not control.finished:
-            frame = flow.frame
-            index = frame.at
-            if index >= len(frame.file.lines):
-                self._end_of_lines()
-                break
-            looking = self.endless.is_looking(self.blocks)
-            alone = control.state.strayed is not None or flow.reads_on or self.recovery.may_settle
-            lanes = None if alone or looking else self.lanes
-            if lanes is not None and (lane := lanes.lane_at(self.blocks)):
-                done, batch, last = lane.run(self.blocks, self._until_look())
-                self.blocks += done
-                self.events_left -= 0 if batch is None else len(batch)
-                if batch is not None and self.run.failed is not None:
-                    if self.recovery.certain:
-                        self.watches.moves(batch)
-                    else:
-                        self._watch_in_doubt(batch.events())
-                elif batch is not None:
-                    if len(batch) < lane.worth_a_batch:
-                        events = list(batch.events())
-                        self.watches.events(events)
-                        yield from events
-                    else:
-                        self.watches.moves(batch)
-                        yield batch
-                if done:
-                    if self._exhausted(*last):
-                        break
-                    continue
-            if index + 1 == self.settings.until and frame.file is self.file:
-                self.run.halted = Halted(control=control, file=self.file, frames=tuple(flow.frames))
-                break
-            frame.at = index + 1
-            text = frame.file.lines[index]
-            closing = self.file.has_percent or self.recovery.ended
-            if closing and frame.file is self.file and text.strip() == "%":
-                control.span = Span.of_line(frame.file.name, index + 1, text, frame.callers)
-                out.append(canon.EndOfFile(span=control.span))
-                control.finished = True
-                self._watch(out)
-            elif text:
-                self._line(frame.file, index, text)
-            if out:
-                self.events_left -= len(out)
-                if self.run.failed is None:
-                    for event in out:
-                        if type(event) is canon.ProbeMove or type(event) is canon.Input:
-                            self.endless.forget()
-                            asked = time.monotonic()
-                            self._show_sources()
-                            reply = yield event
-                            self._forgive(time.monotonic() - asked)
-                            if not self._hear(event, reply, index):
-                                break
-                        else:
-                            yield event
-                else:
-                    for event in out:
-                        if type(event) is canon.ProbeMove:
-                            tripped(control, event, None)
-                out.clear()
-            self.blocks += 1
-            if self._exhausted(frame.file, index):
-                break
-        self._finish()
+
+    def step(self) -> Generator[canon.Event | MoveBatch, Feedback, None]:
+        """Execute the next line, or a run of lines in the compiled lane."""
+        control, out = self.control, self.control.out
+        frame = self.flow.frame
+        index = frame.at
+        if index >= len(frame.file.lines):
+            self._end_of_lines()
+            self._broken_off = True
+            return
+        if (yield from self._steps_in_lane()):
+            return
+        if index + 1 == self.settings.until and frame.file is self.file:
+            self.run.halted = Halted(control=control, file=self.file, frames=tuple(self.flow.frames))
+            self._broken_off = True
+            return
+        frame.at = index + 1
+        text = frame.file.lines[index]
+        closing = self.file.has_percent or self.recovery.ended
+        if closing and frame.file is self.file and text.strip() == "%":
+            control.span = Span.of_line(frame.file.name, index + 1, text, frame.callers)
+            out.append(canon.EndOfFile(span=control.span))
+            control.finished = True
+            self._watch(out)
+        elif text:
+            self._line(frame.file, index, text)
+        if out:
+            self.events_left -= len(out)
+            if self.run.failed is None:
+                yield from self._told(index)
+            else:
+                for event in out:
+                    if type(event) is canon.ProbeMove:
+                        tripped(control, event, None)
+            out.clear()
+        self.blocks += 1
+        self._broken_off = self._broken_off or self._exhausted(frame.file, index)
+
+    def _told(self, index: int) -> Generator[canon.Event, Feedback, None]:
+        """The events of line `index`, and what the caller answers to those that ask."""
+        for event in self.control.out:
+            if type(event) is canon.ProbeMove or type(event) is canon.Input:
+                self.endless.forget()
+                asked = time.monotonic()
+                self._show_sources()
+                reply = yield event
+                self._forgive(time.monotonic() - asked)
+                if not self._hear(event, reply, index):
+                    break
+            else:
+                yield event
+
+    def _steps_in_lane(self) -> Generator[canon.Event | MoveBatch, Feedback, bool]:
+        """Execute lines in the compiled lane, if it is open and understands the next one; whether it did."""
+        looking = self.endless.is_looking(self.blocks)
+        alone = self.control.state.strayed is not None or self.flow.reads_on or self.recovery.may_settle
+        lanes = None if alone or looking else self.lanes
+        if lanes is None or not (lane := lanes.lane_at(self.blocks)):
+            return False
+        done, batch, last = lane.run(self.blocks, self._until_look())
+        self.blocks += done
+        self.events_left -= 0 if batch is None else len(batch)
+        if batch is not None and self.run.failed is not None:
+            if self.recovery.certain:
+                self.watches.moves(batch)
+            else:
+                self._watch_in_doubt(batch.events())
+        elif batch is not None:
+            if len(batch) < lane.worth_a_batch:
+                events = list(batch.events())
+                self.watches.events(events)
+                yield from events
+            else:
+                self.watches.moves(batch)
+                yield batch
+        self._broken_off = self._broken_off or (done > 0 and self._exhausted(*last))
+        return done > 0
 
     # -- answers of the caller
 
@@ -282,7 +310,7 @@ class Executor:
                     control.warn("GS197", message, hint, place)
             self._block(block, index)
             if len(control.notes) > MOST_NOTES:
-                self._hand_over_notes()
+                self.hand_over_notes()
         except Fault as fault:
             self._fault(fault, file, index, text, block)
         except (OverflowError, RecursionError):
@@ -501,7 +529,7 @@ class Executor:
         span = Span(self.run.source.name, foreign.line, begin, foreign.line, begin + len(foreign.word))
         return Diagnostic(code=code, message=message.format(word=foreign.word), span=span, hint=hint)
 
-    def _hand_over_notes(self) -> None:
+    def hand_over_notes(self) -> None:
         """Turn warnings of blocks into findings: one per message, and after many of one code, one for all others."""
         for note in self.control.notes:
             kinds = self.kinds.setdefault(note.code, set())
@@ -603,13 +631,14 @@ class Executor:
         self.next_clock = self.blocks + _CHECK_CLOCK_EVERY
         return time.monotonic() > self.deadline
 
-    def _finish(self) -> None:
+    def finish(self) -> None:
+        """Say what only shows at the end."""
         run, control = self.run, self.control
         recovery = self.recovery
         # faults elsewhere say nothing about O-words
         reached = control.finished and not (recovery.flow or self.given_up)
         finished = reached and not (recovery.frame or recovery.modes or recovery.parameters)
-        self._hand_over_notes()
+        self.hand_over_notes()
         run.findings.extend(self.watches.findings(finished=finished))
         if reached:
             run.findings.extend(structure_findings(self.file, control.span))

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import argparse
+import re
 import textwrap
-from typing import Any
+from typing import Any, Final
 
 from gcodesim.cli.exits import OK, UsageError
 from gcodesim.cli.nearest import did_you_mean, nearest
@@ -14,12 +15,36 @@ from gcodesim.cli.outline import may_be
 def add_parser(commands: Any) -> None:
     parser = commands.add_parser(
         "explain",
-        help="what a finding means, why it matters, what to do",
+        help="what a finding means, why it matters, what to do; what a G or M code means",
         description="Explain a finding by its code: what it means, why it matters, what to do, and a small example "
-        "with what is printed about it. `gcodesim list codes` shows all.",
+        "with what is printed about it; `gcodesim list codes` shows all. Of a word such as G43 or M6, say what it "
+        "means to each dialect.",
     )
-    may_be(parser.add_argument("code", metavar="CODE", help="a code such as GS203"), _codes)
+    may_be(parser.add_argument("code", metavar="CODE", help="a code such as GS203, or a word such as G43"), _codes)
     parser.set_defaults(run=run)
+
+
+_WORD: Final = re.compile(r"([GM])0*([0-9]{1,4}(?:\.[0-9])?)")
+
+
+def _explain_word(text: str) -> int:
+    """What a G or M code means, by dialects."""
+    from gcodesim.rs274.dialects import DIALECTS
+    from gcodesim.rs274.dialects.meanings import meanings_of
+
+    match = _WORD.fullmatch(text)
+    assert match is not None
+    code = f"{match[1]}{float(match[2]):g}"
+    dialects: dict[str, list[str]] = {}
+    for name in DIALECTS:
+        if (meaning := meanings_of(DIALECTS[name]).get(code)) is not None:
+            dialects.setdefault(meaning, []).append(name)
+    if not dialects:
+        raise UsageError(f"no dialect has a code {code}")
+    print(f"{code}:")
+    for meaning, names in dialects.items():
+        print(f"  {meaning} ({', '.join(names)})")
+    return OK
 
 
 def _codes() -> list[str]:
@@ -32,6 +57,8 @@ def run(arguments: argparse.Namespace) -> int:
     from gcodesim.diagnostics import code_of, codes
 
     wanted = arguments.code.upper()
+    if _WORD.fullmatch(wanted) is not None:
+        return _explain_word(wanted)
     try:
         code = code_of(wanted)
     except KeyError:

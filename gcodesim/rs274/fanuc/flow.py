@@ -16,6 +16,7 @@ from gcodesim.rs274.fault import Fault
 from gcodesim.rs274.flow import FlowControl, Stopped
 from gcodesim.rs274.frame import Frame
 from gcodesim.rs274.machine_codes import end_program
+from gcodesim.rs274.program_file import ProgramFile
 from gcodesim.rs274.reader import Reader
 
 MOST_LEVELS = 10
@@ -49,6 +50,11 @@ class FanucFrame(Frame):
     @property
     def calls_at_moves(self) -> bool:
         return bool(self.calls)
+
+    def resume(self, file: ProgramFile) -> None:
+        Frame.resume(self, file)
+        assert isinstance(file, FanucFile)
+        self.part = file.part_at(self.part.first)
 
     def situation(self) -> tuple[object, ...]:
         own = (self.part, self.macro, dict(self.macro_arguments), dict(self.outer), set(self.begun), list(self.calls))

@@ -40,13 +40,20 @@ _MODES: Final = (*range(4001, 4031), *range(4101, 4131))
 _POSITIONS: Final = range(5001, 5109)
 
 
+def _no_name(name: str) -> float | None:
+    return None
+
+
 class Variables(Parameters):
     """The control's memory. `read` gives None for a vacant variable; `local` belongs to the running macro."""
 
     def __init__(self, control: FanucControl) -> None:
-        super().__init__(lambda number: self.read(number) or 0.0, lambda name: None)
+        super().__init__(self._read_or_zero, _no_name)
         self._control = control
         self.local: dict[int, float] = {}
+
+    def _read_or_zero(self, number: int) -> float:
+        return self.read(number) or 0.0
 
     def index(self, value: float) -> int:
         number = round(value)

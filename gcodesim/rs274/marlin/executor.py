@@ -85,7 +85,7 @@ class PrinterExecutor(Executor):
         except (OverflowError, RecursionError):
             self._fault(Fault("GS123", "a value is too large to be computed with"), file, index, text, None)
         if len(control.notes) > MOST_NOTES:
-            self._hand_over_notes()
+            self.hand_over_notes()
 
     def _check_sum(self, line: MarlinLine) -> None:
         if line.checksum is not None and line.checksum[0] != line.checksum[1]:
@@ -187,7 +187,7 @@ class PrinterExecutor(Executor):
             control.stay_at(axes)
             control.say_tool_offset()
 
-    def _finish(self) -> None:
+    def finish(self) -> None:
         control = self.control
         if not self._limited and control.finished and self.run.failed is None:
             limits = self.printer.limits
@@ -201,4 +201,4 @@ class PrinterExecutor(Executor):
                 )
             )
         control.span = Span(self.file.name)  # lines behind the end are no fault here
-        super()._finish()
+        super().finish()
