@@ -15,6 +15,7 @@ COMMANDS = (
     "lint",
     "canon",
     "fmt",
+    "watch",
     "cell",
     "place",
     "restart",
@@ -47,6 +48,7 @@ _EXAMPLES = """examples:
   gcodesim lint part.nc                         the program alone
   gcodesim fmt part.nc                          the same program in one style
   gcodesim test suite/                          what programs did when accepted, do they still?
+  gcodesim watch part.nc --cell cell.yaml       check it again whenever a file changes
   gcodesim explain GS203                        what a finding means and what to do
 
 exit status: 0 clean, 1 findings (see --fail-on), 2 wrong usage, 70 fault of gcodesim, 130 interrupted (143: SIGTERM)

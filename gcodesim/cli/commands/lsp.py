@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import argparse
+import os
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -63,5 +65,7 @@ def run(arguments: argparse.Namespace) -> int:
         allow_paths=tuple(arguments.allow_path),
         out=arguments.out,
     )
-    serve(choices).start_io()
+    # of its own, since the server closes both at its end
+    with os.fdopen(os.dup(sys.stdin.fileno()), "rb") as asked, os.fdopen(os.dup(sys.stdout.fileno()), "wb") as said:
+        serve(choices).start_io(asked, said)
     return OK

@@ -70,6 +70,7 @@ def conversation(talk, folder, **options):
         await talk(Editor(client, shown))
         await asyncio.wait_for(client.shutdown_async(None), LONGEST)
         client.exit(None)
+        assert await asyncio.wait_for(client._server.wait(), LONGEST) == 0
         await client.stop()
 
     asyncio.run(whole())
