@@ -68,6 +68,7 @@ class LiveReading:
         self.copies: list[_Copy] = []
         self.end: Executor | None = None
         self.is_done = False
+        self._goes_on = False
         self._earlier: LiveReading | None = None  # of the text before, while this one may meet it
         self._change: TextChange | None = None
         self._run = executor_of(source, self.settings)
@@ -106,7 +107,9 @@ class LiveReading:
         if frame.file is run.file:
             self.first.setdefault(frame.at, run.blocks)
             self.last[frame.at] = run.blocks
+        self._goes_on = True
         _drain(run.step())
+        self._goes_on = False
         self.work += 1
         if run.blocks % self.every == 0 and not run.over:
             if self._has_met_earlier():
@@ -125,8 +128,9 @@ class LiveReading:
         file, read, first, last = run.file, run.file.block, self.first, self.last
 
         def block(index: int) -> Block:
-            first.setdefault(index, self._run.blocks)
-            last[index] = max(self._run.blocks, last.get(index, 0))
+            if self._goes_on:  # and not only answers a question about an earlier line
+                first.setdefault(index, self._run.blocks)
+                last[index] = max(self._run.blocks, last.get(index, 0))
             return read(index)
 
         file.block = block  # type: ignore[method-assign]

@@ -57,6 +57,18 @@ def test_one_change_of_a_long_program_is_a_small_part_of_the_work(dialect, count
     assert list(reading.findings) == list(lint(source(lines), settings(source(lines), dialect)))
 
 
+def test_questions_cost_no_later_change_anything():
+    lines = long_program(2_000)
+    reading = LiveReading(source(lines), settings(source(lines)))
+    reading.finish()
+    for text in ("G1 X1", "G1 X2", "G1 X3"):
+        lines[900] = text
+        reading.update(source(lines), settings(source(lines)))
+        reading.finish()
+        assert reading.work <= 2 * reading.every
+        reading.moment(900)
+
+
 def test_findings_behind_a_change_stay_until_they_are_read_again():
     lines = long_program(5_000)
     lines[4_000] = "G1 X"
