@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from typing import Final
 
 from gcodesim.arithmetic.matrices import applied
@@ -48,6 +49,26 @@ def shifted_work(cell: Cell, channel: str, system: str, shift: Array) -> Shifted
     while place.frame in cell.placed_frames:
         keys, place = ("frames", str(place.frame)), cell.placed_frames[str(place.frame)]
     return _moved(cell, keys, place, shift)
+
+
+def standing_on(cell: Cell, channel: str, moved: Sequence[Shifted]) -> frozenset[str]:
+    """The names of fixtures and stocks that stand on one of the places and go along when that is moved."""
+    own = cell.channels[channel]
+    keys = [shifted.keys for shifted in moved]
+    systems = {key[-1] for key in keys if "work_offsets" in key}
+    frames = {key[-1] for key in keys if key[0] == "frames"}
+
+    def goes_along(frame: str | None) -> bool:
+        while frame is not None:
+            if frame in systems or frame in frames:
+                return True
+            place = cell.placed_frames.get(frame) or own.work_offsets.get(frame)
+            frame = None if place is None else place.frame
+        return False
+
+    stocks = {name: stock.place.frame or "G54" for name, stock in cell.stocks.items()}
+    fixtures = {name: fixture.place.frame for name, fixture in cell.fixtures.items()}
+    return frozenset(name for name, frame in {**fixtures, **stocks}.items() if goes_along(frame))
 
 
 def shifted_robot(cell: Cell, robot: str, shift: Array) -> Shifted:

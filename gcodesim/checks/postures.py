@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.arithmetic.distinct import distinct
-from gcodesim.checks.machine_bodies import CarriedBody, MachineBodies, may_meet_by_motion
+from gcodesim.checks.machine_bodies import BASE_JOINT, CarriedBody, MachineBodies, may_meet_by_motion
 from gcodesim.checks.machine_collisions import body_in_words, of_machine_itself
 from gcodesim.checks.meetings import MovingBodies
-from gcodesim.frames import Array
+from gcodesim.checks.rigid import RigidBody
+from gcodesim.frames import Array, Pose
 
 if TYPE_CHECKING:
     from gcodesim.checks.machine_collisions import MachineChecks
@@ -27,19 +28,33 @@ class Postures:
     """An arm, its tools by number and what is around it at the start.
 
     Bodies of the machine that are in each other at `home` (j,) are drawn so, and pairs of names that are `apart` are
-    not looked at.
+    not looked at. What goes `along` with the work when that is shifted, is named by its label.
     """
 
     machine: MachineBodies
     tools: Mapping[int, Tool]
     home: Array
     apart: frozenset[frozenset[str]] = frozenset()
+    along: frozenset[str] = frozenset()
     _known: dict[int, Moving] = field(default_factory=dict)
 
     @staticmethod
     def of(checks: MachineChecks, home: Array) -> Postures:
         """The postures of what `checks` look at on the way of a plan."""
         return Postures(checks.machine, checks.tools, np.asarray(home, dtype=float), checks.apart)
+
+    def shifted(self, shift: Array) -> Postures:
+        """The same where all that goes along with the work has been moved by (3,) [m] in the base."""
+        moved = Pose(np.asarray(shift, dtype=float), np.eye(3))
+
+        def at(body: CarriedBody) -> CarriedBody:
+            if body.role == "link" or body.rigid.name not in self.along or body.carrier != BASE_JOINT:
+                return body
+            solids = tuple(solid.at(moved) for solid in body.rigid.solids)
+            return replace(body, rigid=RigidBody(name=body.rigid.name, solids=solids))
+
+        machine = replace(self.machine, bodies=tuple(at(body) for body in self.machine.bodies))
+        return replace(self, machine=machine, _known={})
 
     def hit(self, q: Array, tools: NDArray[np.int64] | NDArray[np.intp] | NDArray[np.int32]) -> NDArray[np.bool_]:
         """Whether a body that may not is in another one with all joints at q (n, j) and these tools (n,) held."""

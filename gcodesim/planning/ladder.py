@@ -55,10 +55,10 @@ class Passage:
         return replace(self, around=None)
 
     def shifted(self, shift: Array) -> Passage:
-        """The same with all positions moved by `shift` (3,) [m] in B."""
+        """The same with all positions, and what stands around and goes along, moved by `shift` (3,) [m] in B."""
         X_BT = self.X_BT.copy()
         X_BT[:, :3, 3] += shift
-        return replace(self, X_BT=X_BT)
+        return replace(self, X_BT=X_BT, around=None if self.around is None else self.around.shifted(shift))
 
     def flange(self, spins: Array) -> Array:
         """X_BF (n, s, 4, 4) with the tool turned by `spins` (n, s) [rad]."""

@@ -30,6 +30,10 @@ class Obstacles(Protocol):
         """The first two bodies that are in each other with all joints at q (j,), in words; None: none are."""
         ...
 
+    def shifted(self, shift: Array) -> Obstacles:
+        """The same where all that goes along with the work has been moved by (3,) [m] in the base."""
+        ...
+
 
 @frozen(eq=False)
 class Around:
@@ -60,6 +64,10 @@ class Around:
     def taken(self, poses: slice) -> Around:
         """Those at some of the poses."""
         return replace(self, tools=self.tools[poses], values=None if self.values is None else self.values[poses])
+
+    def shifted(self, shift: Array) -> Around:
+        """The same with the work, and what goes along with it, moved by (3,) [m] in the base."""
+        return replace(self, obstacles=self.obstacles.shifted(shift))
 
     def hit(self, q: Array, pose: Numbers) -> NDArray[np.bool_]:
         """Whether joints q (m, j) of the arm hit anything, each at a `pose` (m,)."""

@@ -47,7 +47,7 @@ class Spot:
 
 
 def cuts_of(plan: Plan, posing: FixedAttitude) -> list[Passage]:
-    """What an arm has to run without a jump, one cut for each stretch between joint moves."""
+    """What an arm has to run without a jump, one cut for each stretch between joint moves, and what stands around."""
     legs = plan.joint_path.legs if isinstance(plan.joint_path, LegJoints) else (plan,)
     paths = [leg.joint_path for leg in legs if isinstance(leg.joint_path, ArmJoints)]
     total = sum(len(path.nodes) for path in paths)
@@ -60,20 +60,21 @@ def cuts_of(plan: Plan, posing: FixedAttitude) -> list[Passage]:
         nodes = Nodes(nodes.piece, np.where(nodes.head, length[nodes.piece], nodes.s), nodes.head)
         rungs = _RUNGS * len(nodes) // max(total, 1)
         cuts += [
-            cut_through(plan.kinematics, flange, nodes, chain, rungs, free)[1] for chain in range(len(nodes.chains))
+            cut_through(plan.kinematics, flange, nodes, chain, rungs, free, posing.obstacles)[1]
+            for chain in range(len(nodes.chains))
         ]
     return cuts
 
 
 def margin_at(kinematics: Kinematics, cuts: list[Passage], shift: Array, branches: tuple[int, ...] | None) -> float:
     """The most room [rad] to joint limits with all cuts shifted by (3,) [m] in B; `NOWHERE` without a way."""
-    moved = [cut.shifted(shift) for cut in cuts]
-    for cut in moved:
-        few = cut.taken(slice(None, None, max(len(cut) // _FIRST_LOOK, 1)))
+    for cut in cuts:
+        few = cut.without_obstacles().shifted(shift)
+        few = few.taken(slice(None, None, max(len(cut) // _FIRST_LOOK, 1)))
         if not rungs_of(kinematics, few, grid(few, _SPINS), branches).counts.all():
             return NOWHERE
     least = np.inf
-    for cut in moved:
+    for cut in [cut.shifted(shift) for cut in cuts]:
         rungs = rungs_of(kinematics, cut, grid(cut, _SPINS), branches)
         if not rungs.counts.all():
             return NOWHERE
@@ -148,7 +149,7 @@ def region_of(
         points = np.stack([np.full_like(y, x), y, z], axis=-1).reshape(-1, 3)
         X_BT = np.tile(first.X_BT[0], (len(points), 1, 1))
         X_BT[:, :3, 3] = applied(R_BW, points)
-        cut = Passage(X_BT=X_BT, X_FT=first.X_FT, free=first.free, step=first.step)
+        cut = Passage(X_BT=X_BT, X_FT=first.X_FT, free=first.free, step=first.step)  # collisions are not asked
         layers.append(rungs_of(kinematics, cut, grid(cut, _SPINS // 3), branches).counts.reshape(y.shape) > 0)
     inside = np.array(layers)
     if not inside.any():

@@ -66,3 +66,44 @@ def test_a_machine_tool_has_no_use_for_it(tmp_path):
     assert said.returncode == 2 and "is for arms" in said.stderr
     wrong = gcodesim(tmp_path, "place", "part.nc", "--cell", "cell.yaml", "--within", "1,2")
     assert wrong.returncode == 2
+
+
+POST = CELL.replace("1000", "600") + "fixtures: {post: {box: [60, 60, 700], in: %s}}\n"
+
+
+def good_shifts(folder, *words):
+    said = gcodesim(
+        folder,
+        "place",
+        "part.nc",
+        "--cell",
+        "cell.yaml",
+        "--within",
+        "0,200,0",
+        "--step",
+        "200",
+        "--format",
+        "json",
+        *words,
+    )
+    return json.loads(said.stdout)["good_shifts_mm"]
+
+
+def test_a_place_where_the_arm_hits_a_fixture_is_not_good(tmp_path):
+    files(tmp_path, POST.split("fixtures")[0])
+    everywhere = [[0.0, 0.0, 0.0], [0.0, 200.0, 0.0], [0.0, -200.0, 0.0]]
+    assert good_shifts(tmp_path) == everywhere
+    files(tmp_path, POST % "world, xyz: [300, 250, 0]")
+    assert good_shifts(tmp_path) == [[0.0, 0.0, 0.0], [0.0, -200.0, 0.0]]
+    assert sorted(good_shifts(tmp_path, "--arm")) == [[0.0, -200.0, 0.0], [0.0, 0.0, 0.0]]  # the post stays
+    for y, status in ((0, 0), (200, 1)):  # as the check of the whole motion says
+        files(tmp_path, (POST % "world, xyz: [300, 250, 0]").replace("[600, 0,", f"[600, {y},"))
+        assert gcodesim(tmp_path, "check", "part.nc", "--cell", "cell.yaml").returncode == status
+
+
+def test_fixtures_on_the_frame_of_the_work_go_along(tmp_path):
+    """A post beside the work stays in the way of a part that is shifted to it only if it stands on the ground."""
+    files(tmp_path, POST % "world, xyz: [700, -260, 200]")
+    assert good_shifts(tmp_path) == [[0.0, 0.0, 0.0], [0.0, 200.0, 0.0]]
+    files(tmp_path, POST % "table, xyz: [100, -260, -50]")
+    assert len(good_shifts(tmp_path)) == 3

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import math
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,6 +14,7 @@ from gcodesim.cli.options import add_cell, add_format, add_language, add_program
 
 if TYPE_CHECKING:
     from gcodesim.cell.shifting import Shifted
+    from gcodesim.checks.postures import Postures
     from gcodesim.diagnostics import SourceText
     from gcodesim.frames import Array
     from gcodesim.planning.place import Spot
@@ -26,9 +28,11 @@ def add_parser(commands: Any) -> None:
         "place",
         help="where the part may stand so that an arm can run the whole program",
         description="Try places of the part on a grid, all configurations of the arm at each of them, and propose the"
-        " one with the most room to the limits of the joints. Draws the region that the tip reaches.",
-        epilog="Everything that the program commands is shifted together. Material and collisions are not asked: look"
-        " at the proposal with `gcodesim check`.",
+        " one with the most room to the limits of the joints, where it hits nothing. Draws the region that the tip"
+        " reaches.",
+        epilog="Everything that the program commands is shifted together, with the stock and the fixtures that stand"
+        " on the same frame. A place is good if no link hits another link, the tool, a fixture or the stock as it"
+        " is at the start; ways between cuts are not asked: look at the proposal with `gcodesim check`.",
     )
     add_program(parser)
     add_cell(parser, required=True)
@@ -78,6 +82,8 @@ def run(arguments: argparse.Namespace) -> int:
         raise UsageError("`place` is for arms; on a machine tool GS201 names the shift that fits")
     if posing.outside is not None:
         raise UsageError("`place` does not know external axes; with `free: true` they go where the arm has room")
+    systems = sorted({state.system for state in job.plan.path.states})
+    posing = replace(posing, obstacles=_obstacles(shop, systems, arguments.arm))
     cuts = cuts_of(job.plan, posing)
     if not cuts:
         raise UsageError("the program moves nothing along a path")
@@ -86,7 +92,6 @@ def run(arguments: argparse.Namespace) -> int:
     found = places(shop.kinematics, cuts, R_BW, within, step, posing.branches)
     now, best = found[0], best_place(found, step)
     shift = None if best is None else (-best.shift if arguments.arm else best.shift)
-    systems = sorted({state.system for state in job.plan.path.states})
     moved = [] if shift is None else _moved(shop, systems, shift, arguments.arm)
     files = [] if arguments.out is None else _draw(arguments.out, shop, cuts, R_BW, best, posing.branches)
     if arguments.write and best is not None:
@@ -125,6 +130,24 @@ def run(arguments: argparse.Namespace) -> int:
     for file in files:
         print(f"wrote {arguments.out / file}")
     return OK
+
+
+def _obstacles(shop: Shop, systems: list[int], arm: bool) -> Postures:
+    """What the arm may hit, and what of that is shifted together with the work."""
+    import numpy as np
+
+    from gcodesim.cell.shifting import standing_on
+    from gcodesim.checks.machine_bodies import BASE_JOINT, MachineBodies
+    from gcodesim.checks.postures import Postures
+
+    machine = MachineBodies.of(shop.scene, shop.name)
+    if arm:
+        along = frozenset(body.rigid.name for body in machine.bodies if body.carrier == BASE_JOINT)
+    else:
+        along = standing_on(shop.cell, shop.channel, _moved(shop, systems, np.zeros(3), arm))
+    return Postures(
+        machine=machine, tools=shop.cell.tools, home=shop.home, apart=shop.cell.limits.apart, along=along
+    )
 
 
 def _moved(shop: Shop, systems: list[int], shift: Array, arm: bool) -> list[Shifted]:
@@ -186,7 +209,7 @@ def _in_words(place: Spot) -> str:
     from gcodesim.units import DEG
 
     if not place.good:
-        return "the program cannot be run"
+        return "the program cannot be run without a collision"
     if math.isinf(place.margin):
         return "no joint has limits"
     return f"joints stay {place.margin / DEG:.1f} deg from their limits"
