@@ -1,4 +1,4 @@
-"""A log in the formats of other programs: tables, JSON lines, meshes, ROS 2 bags; `EXPORTERS[kind]` is the class."""
+"""A log in the formats of others: tables, meshes, sections, heights, ROS 2 bags; `EXPORTERS[kind]` is the class."""
 
 from typing import Any
 
@@ -15,6 +15,9 @@ EXPORTERS = Family(
     stl="gcodesim.export.part:Stl",
     ply="gcodesim.export.painted:Ply",
     glb="gcodesim.export.model:Glb",
+    svg="gcodesim.export.section:Section",
+    png="gcodesim.export.heights:HeightPicture",
+    npz="gcodesim.export.heights:HeightNumbers",
     rosbag2="gcodesim.export.rosbag:RosBag",
     **_NOT_WORDS,
 )

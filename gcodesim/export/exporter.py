@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 Destination = TextIO | BinaryIO | Path
 
-Option = Literal["topics", "time", "lines", "period", "units", "at", "stock", "world", "by"]
+Option = Literal["topics", "time", "lines", "period", "units", "at", "stock", "world", "by", "section"]
 
 RANGE: frozenset[Option] = frozenset(("topics", "time", "lines", "period"))
 """Options of an exporter that writes what happened over a time."""
@@ -29,7 +29,7 @@ class NoExportError(ValueError):
 class Request:
     """What of a log is asked for: `topics` (none: the usual ones) in a range of time, in `units`, or the state at a
     moment `at_ns` (None: the end), of one `stock` where there are several, in the world or in its own frame, coloured
-    `by` deviation, tool or line."""
+    `by` deviation, tool or line; `section`: across which of x, y, z, and where [m]."""
 
     topics: tuple[str, ...] = ()
     part: TimeRange = field(default_factory=TimeRange)
@@ -38,6 +38,7 @@ class Request:
     stock: str | None = None
     world: bool = False
     by: str | None = None
+    section: tuple[str, float] | None = None
 
     def moment(self, recording: Recording) -> int:
         """The moment [ns]."""

@@ -1,4 +1,4 @@
-"""Grey pictures as PNG (ISO/IEC 15948), 8 bits a point."""
+"""Grey pictures as PNG (ISO/IEC 15948), 8 or 16 bits a point."""
 
 from __future__ import annotations
 
@@ -18,18 +18,32 @@ SOFTWARE_AT = 41
 
 def grey_png(points: NDArray[np.uint8], comment: str = "") -> bytes:
     """A picture with rows (h, w) from the top; `comment` goes with it as text (Latin-1)."""
+    return _grey(points, points.shape[1], 8, comment)
+
+
+def deep_grey_png(points: NDArray[np.uint16], comment: str = "") -> bytes:
+    """The same with 16 bits a point."""
     import numpy as np
 
     height, width = points.shape
-    rows = np.zeros((height, width + 1), dtype=np.uint8)  # each begins with the number of its filter: none
-    rows[:, 1:] = points
+    content = np.ascontiguousarray(points, dtype=">u2").view(np.uint8).reshape(height, 2 * width)
+    return _grey(content, width, 16, comment)
+
+
+def _grey(content: NDArray[np.uint8], width: int, bits: int, comment: str) -> bytes:
+    """A picture of `width` points from the bytes of its rows."""
+    import numpy as np
+
+    height = len(content)
+    rows = np.zeros((height, content.shape[1] + 1), dtype=np.uint8)  # each begins with the number of its filter: none
+    rows[:, 1:] = content
     text = png_chunk(b"tEXt", SOFTWARE)
     if comment:
         text += png_chunk(b"tEXt", b"Comment\0" + comment.encode("latin-1", "replace"))
     return b"".join(
         (
             SIGNATURE,
-            png_chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 0, 0, 0, 0)),
+            png_chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, bits, 0, 0, 0, 0)),
             text,
             png_chunk(b"IDAT", zlib.compress(rows.tobytes(), 6)),
             png_chunk(b"IEND", b""),

@@ -148,13 +148,11 @@ def highest_wave(sums: Array) -> float:
 
 
 @kernel
-def error_bound(field: Field, change: Array, waves: Array) -> float:
-    """Volume [m^3] by which changed material may be off: bends and ends of walls, and waves in the heights.
-
-    `waves` (4, 12) begin at 0: steps between neighbours, without those of walls, by their phase.
-    """
+def error_bound(field: Field, change: Array) -> float:
+    """Volume [m^3] by which changed material may be off: bends and ends of walls, and waves in the heights."""
     columns, grid, walls, _, _ = field
     nx, ny = columns.number.shape
+    waves = np.zeros((DIRECTIONS, PHASES))  # steps between neighbours, without those of walls, by their phase
     total = 0.0
     for i in range(nx):
         row = 0.0

@@ -281,13 +281,13 @@ class Stock:
             from gcodesim.material.lattice_surface import volume_error
 
             return volume_error(self)
-        from gcodesim.material.error_kernels import DIRECTIONS, PHASES, changes, error_bound
+        from gcodesim.material.error_kernels import changes, error_bound
 
         columns = self.field.columns
         change = np.zeros(columns.number.shape)
         if changes(columns, self.original, change) == 0.0:
             return 0.0
-        return float(error_bound(self.field, change, np.zeros((DIRECTIONS, PHASES))))
+        return float(error_bound(self.field, change))
 
     def copy(self) -> Stock:
         """An independent stock in the same state."""

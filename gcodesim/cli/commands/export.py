@@ -17,6 +17,8 @@ from gcodesim.cli.nearest import no_such
 from gcodesim.cli.options import read_source
 from gcodesim.cli.outline import may_be
 from gcodesim.cli.overwriting import refuse_foreign
+from gcodesim.declarations.scalars import measured
+from gcodesim.declarations.units import find
 from gcodesim.export import EXPORTERS
 from gcodesim.extras import require_extra
 from gcodesim.family import ExtensionError
@@ -34,6 +36,9 @@ _HELP = """formats:
   ply      the part in colours: how far from its target, by tool or by line (--by); at a moment without colours
   3mf      the same as 3MF, for programs that print and show parts
   glb      the whole cell at a moment: robot or machine, tool, stock, path; in m
+  svg      a section of the part (--section z=-2), in mm
+  png      heights of the part as a picture: 16 bit grey, white is high, black nothing; Y upwards
+  npz      heights of the part for numpy: x_mm (n), y_mm (m), z_mm (n, m), NaN where nothing is left
   rosbag2  a folder that ROS 2 tools read: /tf, /joint_states, /wrench, /robot_description …
 `gcodesim list exporters` names those of other packages too.
 
@@ -95,11 +100,28 @@ def add_parser(commands: Any) -> None:
         choices=("deviation", "tool", "line"),
         help="ply, 3mf: what the colours of the finished part mean; a run with a target has them (default: deviation)",
     )
-    parser.add_argument("--stock", metavar="NAME", help="stl, ply, 3mf: which stock, when there are several")
+    parser.add_argument(
+        "--section",
+        type=_section,
+        metavar="AXIS=PLACE",
+        help="svg: the plane, such as z=-2, in mm of the part's own frame",
+    )
+    parser.add_argument(
+        "--stock", metavar="NAME", help="stl, ply, 3mf, svg, png, npz: which stock, when there are several"
+    )
     parser.add_argument(
         "--world", action="store_true", help="stl, ply, 3mf: where the part stands in the world, not its own frame"
     )
     parser.set_defaults(run=reads_logs(run))
+
+
+def _section(text: str) -> tuple[str, float]:
+    axis, _, place = text.strip().lower().partition("=")
+    value = measured(place)
+    unit = None if value is None else find(value.unit or "mm", "length")
+    if axis not in ("x", "y", "z") or value is None or unit is None:
+        raise argparse.ArgumentTypeError(f"a plane such as z=-2 or x='1 in' is expected, not {text}")
+    return axis, value.value * unit.factor
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -125,6 +147,7 @@ def run(arguments: argparse.Namespace) -> int:
         stock=arguments.stock,
         world=arguments.world,
         by=arguments.by,
+        section=arguments.section,
     )
     try:
         _WRITERS[exporter.writes](arguments, recording, exporter, request)
@@ -157,6 +180,7 @@ def _refuse_useless(arguments: argparse.Namespace, exporter: Exporter) -> None:
         "stock": arguments.stock is not None,
         "world": arguments.world,
         "by": arguments.by is not None,
+        "section": arguments.section is not None,
         "units": arguments.units != "si",
     }
     for option, wanted in given.items():
