@@ -2,7 +2,8 @@
 
 PrusaSlicer, OrcaSlicer: `;LAYER_CHANGE`, `;TYPE:`, `;WIDTH:`, `;HEIGHT:`. BambuStudio: `; CHANGE_LAYER`,
 `; FEATURE:`, `; LINE_WIDTH:`, `; LAYER_HEIGHT:`. Cura: `;LAYER:0`, `;TYPE:`. Simplify3D: `; layer 1, Z = 0.2`,
-`; feature`. KISSlicer and ideaMaker use `;LAYER` and `;TYPE` in the same forms.
+`; feature`, `; tool H0.2 W0.48`. Kiri:Moto: `;; --- layer 0 (0.25mm @ 0.25mm) ---`. KISSlicer and ideaMaker use
+`;LAYER` and `;TYPE` in the same forms.
 """
 
 from __future__ import annotations
@@ -17,17 +18,20 @@ _LAYER: Final = re.compile(r"(?:LAYER|layer)[: ] ?(-?[0-9]+)\b")
 _CHANGE: Final = re.compile(r"LAYER_CHANGE|CHANGE_LAYER")
 _FEATURE: Final = re.compile(r"(?:TYPE|FEATURE|feature)[: ] ?(.*)")
 _SIZE: Final = re.compile(r"(WIDTH|LINE_WIDTH|HEIGHT|LAYER_HEIGHT) ?: ?([0-9]+\.?[0-9]*|\.[0-9]+)")
+_BOTH_SIZES: Final = re.compile(r"tool H([0-9.]+) W([0-9.]+)")
 
 
 def take_comment(note: str, printer: Printer) -> bool:
     """Take over what a comment (without its semicolon) says; whether the section has changed."""
-    text = note.strip()
+    text = note.lstrip(" \t;-")
     before = printer.section
     if found := _FEATURE.match(text):
         printer.section = before._replace(feature=found[1].strip())
     elif found := _SIZE.match(text):
         size = float(found[2]) * MM
         printer.section = before._replace(width=size) if "WIDTH" in found[1] else before._replace(height=size)
+    elif found := _BOTH_SIZES.match(text):
+        printer.section = before._replace(height=float(found[1]) * MM, width=float(found[2]) * MM)
     elif _CHANGE.match(text):
         _next_layer(printer)
     elif (found := _LAYER.match(text)) and not printer.said_layers:

@@ -20,6 +20,7 @@ from gcodesim.rs274.marlin.macros import MACROS
 from gcodesim.rs274.marlin.moves import MOVES
 from gcodesim.rs274.marlin.printer import Printer
 from gcodesim.rs274.marlin.printer_file import PrinterFile
+from gcodesim.rs274.other_machines import foreign_of
 from gcodesim.rs274.program_file import ProgramFile
 from gcodesim.rs274.run import MOST_NOTES, Executor, Run
 from gcodesim.rs274.settings import MappedAction
@@ -28,8 +29,11 @@ from gcodesim.rs274.tool_table import ToolEntry
 from gcodesim.rs274.watch import Watches
 from gcodesim.rs274.watch.filament import FallingFilament
 
-_KNOWN_G: Final = frozenset((12, 26, 27, 29, 30, 31, 32, 33, 34, 35, 42, 53, 60, 61, 76, 80, 425))
-"""G codes that are read and not simulated; all others move, so that what follows would be wrong."""
+_KNOWN_G: Final = frozenset(
+    (12, 26, 27, 29, 30, 31, 32, 33, 34, 35, 39, 42, 53, 60, 61, 76, 80, 150, 380, 383, 384, 392, 425)
+)
+"""G codes that are read and not simulated: of levelling, cleaning, parking and the like; 39, 150 and 380 to 392, also
+with a point behind, are Bambu's. All others move, so that what follows would be wrong."""
 
 
 class PrinterExecutor(Executor):
@@ -112,7 +116,7 @@ class PrinterExecutor(Executor):
             CODES[name](self, line)
         elif name[0] == "T":
             self.choose_tool(int(name[1:].partition(".")[0]), line)
-        elif name[0] == "G" and (("." in name) or int(name[1:]) not in _KNOWN_G):
+        elif name[0] == "G" and int(name[1:].partition(".")[0]) not in _KNOWN_G:
             raise Fault(
                 "GS012",
                 f"{name} is not simulated for printers, so the places after it would be wrong",
@@ -150,6 +154,11 @@ class PrinterExecutor(Executor):
             )
         )
         return True
+
+    def _of_other_control(self) -> Diagnostic | None:
+        """None for printers: the file may be full of their words, and its fault is its own."""
+        foreign = foreign_of(self.run.source)
+        return None if foreign is None or foreign.kind == "printer" else super()._of_other_control()
 
     # -- what commands do
 

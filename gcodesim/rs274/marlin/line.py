@@ -18,7 +18,9 @@ _MACRO: Final = re.compile(r"[ \t]*([A-Za-z_][A-Za-z_][A-Za-z0-9_]*)", re.ASCII)
 _SETTING: Final = re.compile(r"([A-Za-z_][A-Za-z0-9_]*)[ \t]*=[ \t]*(\"[^\"]*\"|\S*)", re.ASCII)
 
 # what stands behind these is text, not words
-_TEXTS: Final = frozenset(("M16", "M23", "M28", "M29", "M30", "M32", "M36", "M98", "M117", "M118", "M928", "M486"))
+_TEXTS: Final = frozenset(
+    ("M16", "M23", "M28", "M29", "M30", "M32", "M36", "M98", "M117", "M118", "M486", "M928", "M1002")
+)
 
 
 @dataclass(slots=True)

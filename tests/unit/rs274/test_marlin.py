@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from gcodesim import canon
-from gcodesim.diagnostics import SourceText
+from gcodesim.diagnostics import Severity, SourceText
 from gcodesim.rs274 import Settings, ToolEntry, ToolTable, interpret
 
 DATA = Path(__file__).parents[2] / "data" / "printing"
@@ -228,3 +228,31 @@ def test_sums_and_boxes_of_slicers_and_two_lanes(name):
     highest = [max(p[i] for p in box) * 1e3 for i in range(3)]
     assert highest == pytest.approx(truth["extruding_box_mm"][1], abs=2e-3)
     assert {layer["z_mm"] for layer in truth["layers"]} <= layers
+
+
+def test_the_words_of_bambu_are_read(printed):
+    """Its start code levels, cleans and judges with words of its own; free text stands behind M1002."""
+    done = printed(
+        "M1002 gcode_claim_action : 2\nG380 S2 Z-25 F300\nG28\nT1000\nM620 S0A\nG29.1 Z-0.04\nG39.4\nG150.3\n"
+        "M622.1 S1\nT0\nM83\n; CHANGE_LAYER\n; LAYER_HEIGHT: 0.2\n; FEATURE: Inner wall\n; LINE_WIDTH: 0.5\n"
+        "G1 X20 E.75 F3000\nG3 Z.6 I1.2 J0 P1 F60000\n"
+    )
+
+    assert [f for f in done.findings if f.level is Severity.ERROR] == []
+    assert filament(done) == [0.75, 0]
+
+
+def test_a_fault_of_a_print_is_told_and_not_that_it_is_a_print(printed):
+    """A file full of words of printers, in a printer's dialect: G5.1 is what is wrong."""
+    done = printed("M140 S60\nM104 S200\nM106 S255\nG28\nM82\nG1 X1 E1 F600\nG5.1 X3\nG1 X2 E2\n")
+
+    assert [(f.code, f.span.line) for f in done.findings if f.level is Severity.ERROR] == [("GS012", 7)]
+
+
+def test_sizes_of_simplify3d_and_layers_of_kiri_moto(printed):
+    text = "M83\n; layer 1, Z = 0.2\n; tool H0.200 W0.480\nG1 X9 E1 F600\n"
+    text += ";; --- layer 1 (0.25mm @ 0.5mm) ---\nG1 X0 E1\n"
+    sections = [event.section for event in printed(text).raw if isinstance(event, canon.SectionStart)]
+
+    assert (sections[-1].height, sections[-1].width) == pytest.approx((0.2e-3, 0.48e-3))
+    assert [section.layer for section in sections] == [1, 1, 2]
