@@ -35,6 +35,9 @@ _KNOWN_G: Final = frozenset(
 """G codes that are read and not simulated: of levelling, cleaning, parking and the like; 39, 150 and 380 to 392, also
 with a point behind, are Bambu's. All others move, so that what follows would be wrong."""
 
+_NO_NOZZLE: Final = 255
+"""T255, T1000 and the like are no nozzles: with them Bambu's start code unloads filament, or ends a change."""
+
 
 class PrinterExecutor(Executor):
     """One execution of a run of a printer's program: nothing turns, so that no rule of mills applies."""
@@ -175,6 +178,9 @@ class PrinterExecutor(Executor):
 
     def choose_tool(self, index: int, line: MarlinLine) -> None:
         """T: another nozzle; T0 is tool 0 of the cell, or its tool 1 where it counts from 1."""
+        if index >= _NO_NOZZLE:
+            self.skip(line.name, line)
+            return
         number = index + self._first_number
         if self.settings.has_cell and number not in self.control.tools:
             self.control.tool_entry(number, "t")

@@ -235,7 +235,9 @@ def test_the_words_of_bambu_are_read(printed):
     done = printed(
         "M1002 gcode_claim_action : 2\nG380 S2 Z-25 F300\nG28\nT1000\nM620 S0A\nG29.1 Z-0.04\nG39.4\nG150.3\n"
         "M622.1 S1\nT0\nM83\n; CHANGE_LAYER\n; LAYER_HEIGHT: 0.2\n; FEATURE: Inner wall\n; LINE_WIDTH: 0.5\n"
-        "G1 X20 E.75 F3000\nG3 Z.6 I1.2 J0 P1 F60000\n"
+        "G1 X20 E.75 F3000\nG3 Z.6 I1.2 J0 P1 F60000\n",
+        has_cell=True,
+        tool_table=ToolTable({0: ToolEntry(number=0)}),
     )
 
     assert [f for f in done.findings if f.level is Severity.ERROR] == []
