@@ -12,6 +12,7 @@ from gcodesim.diagnostics import Diagnostic, SourceText, Span
 from gcodesim.diagnostics.plain import one_line
 from gcodesim.files.output_folder import CELL_NAME
 from gcodesim.starter.first_cell import FirstCell, NoCellError, first_cell
+from gcodesim.starter.lathe_cell import LatheCell
 from gcodesim.starter.needs import guesses_of, needs_of
 from gcodesim.starter.printer_cell import PrinterCell
 
@@ -53,7 +54,7 @@ def made_cell(program: SourceText, folder: Path | None) -> LoadedCell:
     return replace(loaded, made=True)
 
 
-def _first_cell(program: SourceText) -> FirstCell | PrinterCell:
+def _first_cell(program: SourceText) -> FirstCell | PrinterCell | LatheCell:
     try:
         return first_cell(program)
     except NoCellError as reason:

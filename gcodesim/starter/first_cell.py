@@ -8,6 +8,7 @@ from typing import Final
 from gcodesim.canon.systems import name_of_system
 from gcodesim.diagnostics import SourceText
 from gcodesim.frozen import frozen
+from gcodesim.starter.lathe_cell import LatheCell
 from gcodesim.starter.printer_cell import PrinterCell, is_print
 from gcodesim.starter.scan import Scan, ScannedTool, scan
 from gcodesim.starter.survey import Reach, Survey, survey
@@ -51,10 +52,10 @@ def cell_for(program: SourceText) -> bytes:
     return first_cell(program).text()
 
 
-def first_cell(program: SourceText) -> FirstCell | PrinterCell:
+def first_cell(program: SourceText) -> FirstCell | PrinterCell | LatheCell:
     """What `program` says about its cell. NoCellError for a program that no dialect can read."""
     if not is_print(program):
-        return FirstCell.of(program)
+        return LatheCell.of(program) or FirstCell.of(program)
     printer = PrinterCell.of(program)
     if printer is None:
         raise NoCellError(f"{program.name} is a program for a printer, but it lays nothing")

@@ -7,13 +7,14 @@ from typing import Any
 
 from gcodesim.canon.systems import name_of_system
 from gcodesim.starter.first_cell import FirstCell, FirstTool
+from gcodesim.starter.lathe_cell import LatheCell
 from gcodesim.starter.printer_cell import PrinterCell
 from gcodesim.units import INCH, MM
 
 
-def needs_of(cell: FirstCell | PrinterCell) -> list[tuple[str, str]]:
+def needs_of(cell: FirstCell | PrinterCell | LatheCell) -> list[tuple[str, str]]:
     """Rows of name and text: dialect, tools, stock, travel; what is only a guess says so."""
-    if isinstance(cell, PrinterCell):
+    if isinstance(cell, PrinterCell | LatheCell):
         return cell.needs
     return [
         ("dialect", f"{cell.seen.dialect} ({cell.seen.why})"),
@@ -23,9 +24,9 @@ def needs_of(cell: FirstCell | PrinterCell) -> list[tuple[str, str]]:
     ]
 
 
-def guesses_of(cell: FirstCell | PrinterCell) -> list[str]:
+def guesses_of(cell: FirstCell | PrinterCell | LatheCell) -> list[str]:
     """What in the cell is guessed, since the program does not tell: `the stock`, `the diameter of T2`."""
-    if isinstance(cell, PrinterCell):
+    if isinstance(cell, PrinterCell | LatheCell):
         return cell.guesses
     guessed = [] if cell.told_stock or not cell.boxes else ["the stock"]
     guessed += ["the material"] if cell.boxes else []

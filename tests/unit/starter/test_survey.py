@@ -146,10 +146,13 @@ def test_work_that_turns_has_no_stock_yet(tmp_path: Path) -> None:
     ).decode()
 
 
-def test_a_lathe_program_of_linuxcnc_gives_paths_and_times(tmp_path: Path) -> None:
+def test_a_lathe_program_of_linuxcnc_cuts_a_bar(tmp_path: Path) -> None:
     text = "G21 G18 G8\nS800 M3\nG0 X30 Z60\nG1 X12 Z0 F80\nZ-20\nG0 X40 Z20\nM5\nM2\n"
 
-    assert verdict(text, tmp_path) == ("ok", {"GS916"}, {})
+    status, codes, removed = verdict(text, tmp_path)
+
+    assert (status, codes) == ("ok", set())
+    assert removed["stock"] == pytest.approx(np.pi * (12.5**2 - 12.0**2) * 20.0, rel=1e-3)
 
 
 def test_probes_ask_for_travel_and_cut_nothing(tmp_path: Path) -> None:

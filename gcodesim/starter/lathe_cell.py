@@ -1,0 +1,228 @@
+"""A first cell for a lathe's program: dialect, bar, chuck and tools from its moves and comments at tool calls."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Final
+
+from gcodesim import canon
+from gcodesim.diagnostics import Severity, SourceText
+from gcodesim.frozen import frozen
+from gcodesim.rs274 import Settings, ToolEntry, ToolTable, interpret
+from gcodesim.rs274.dialects import DIALECTS
+from gcodesim.rs274.other_machines import lathe_of
+from gcodesim.units import MM, RPM
+
+_MOST_TOOLS: Final = 99
+_BESIDE: Final = 1.0 * MM  # of the bar on each face and side: what is turned is at least that much thinner
+_GRIP: Final = 25.0 * MM
+_FREE: Final = 5.0 * MM  # between the lowest cut and the jaws
+_AXIS: Final = 0.5 * MM  # radius below which a tool is on the axis
+_SPEED: Final = 4000.0
+_WIDTH: Final = 3.0 * MM
+
+_KINDS: Final = (
+    ("threading_tool", re.compile(r"THREAD|GEWINDE", re.IGNORECASE)),
+    ("parting_tool", re.compile(r"PART(?:ING)? ?-?OFF|CUT ?-?OFF|PARTING|ABSTECH", re.IGNORECASE)),
+    ("grooving_tool", re.compile(r"GROOV|EINSTECH", re.IGNORECASE)),
+    ("boring_tool", re.compile(r"\bBOR(?:E|ING)\b|\bI\.?D\.?\b|AUSDREH", re.IGNORECASE)),
+    ("drill", re.compile(r"DRILL|BOHR", re.IGNORECASE)),
+)
+_INSERT: Final = re.compile(r"\b([CDSTVRW][A-Z]{3}\s?\d{6})\b", re.IGNORECASE)
+_NOTE: Final = re.compile(r"\(([^()]*)\)|;(.*)")
+
+
+@dataclass(slots=True)
+class _Use:
+    """What a tool does; lengths [m], radii. `comment` stands at its first call, in `line`."""
+
+    line: int = 0
+    comment: str = ""
+    threads: bool = False
+    feeds: list[tuple[float, float, float, float]] = field(default_factory=list)  # radius, z at begin and end
+
+    @property
+    def kind(self) -> str:
+        """The type of the tool."""
+        if self.threads:
+            return "threading_tool"
+        told = next((kind for kind, word in _KINDS if word.search(self.comment)), None)
+        if told is not None:
+            return told
+        drills = self.feeds and all(max(abs(a), abs(b)) < _AXIS for a, _, b, _ in self.feeds)
+        return "drill" if drills else "turning_tool"
+
+
+@frozen
+class LatheCell:
+    """What a lathe's program says about its cell; lengths [m]."""
+
+    program: str
+    dialect: str
+    why: str
+    failed: int
+    uses: dict[int, _Use]
+    fastest: float
+    first: int
+
+    @staticmethod
+    def of(program: SourceText) -> LatheCell | None:
+        """From the moves of a program; None if it is for no lathe, or feeds nothing."""
+        known = _dialect_of(program)
+        if known is None:
+            return None
+        dialect, why = known
+        table = ToolTable({number: ToolEntry(number=number) for number in range(1, _MOST_TOOLS + 1)})
+        settings = Settings(dialect=dialect, tool_table=table, has_cell=True, turns=True)
+        run = interpret(program, settings)
+        uses, fastest, first = _uses(iter(run), program)
+        error = next((f.span.line for f in run.findings if f.level >= Severity.ERROR), 0)
+        if not any(use.feeds for use in uses.values()):
+            return None
+        return LatheCell(
+            program=program.name, dialect=dialect, why=why, failed=error, uses=uses, fastest=fastest, first=first
+        )
+
+    @property
+    def _radius(self) -> float:
+        """Of the bar: as thick as what is turned along Z below the face, and a little more."""
+        turned = [max(a, b) for use in self.uses.values() for a, z, b, w in use.feeds if z != w and min(z, w) < 0.0]
+        feeds = [max(a, b) for use in self.uses.values() for a, _, b, _ in use.feeds]
+        return math.ceil(2.0 * max(turned or feeds) / MM) * 0.5 * MM + 0.5 * _BESIDE
+
+    @property
+    def _span(self) -> tuple[float, float]:
+        """Lower end and face of the bar."""
+        low = min(min(z, w) for use in self.uses.values() for _, z, _, w in use.feeds)
+        radial = [(a, z, b) for use in self.uses.values() for a, z, b, w in use.feeds if z == w and z > low]
+        faced = [z for a, z, b in radial if min(a, b) < _AXIS]
+        top = max([0.0, *faced]) + (_BESIDE if faced else 0.0)
+        return math.floor((low - _FREE - _GRIP) / MM) * MM, top
+
+    def text(self) -> bytes:
+        """The cell file."""
+        low, top = self._span
+        diameter = 2.0 * self._radius
+        lines = [
+            f"# A cell for {self.program}, made from its moves, words and comments: look at every line.",
+            "gcodesim: 1",
+            "machine: lathe_xz",
+            f"dialect: {self.dialect:<10} # {self.why}",
+        ]
+        if self.failed:
+            lines.append(f"# line {self.failed} of the program has an error, so a run stops there: see `gcodesim lint`")
+        if self.first:
+            lines.append(f"loaded_tool: {self.first}    # the program calls no tool: this one is there from the start")
+        lines += [
+            "",
+            "# the bar, guessed: a little thicker and longer than what is turned; Z0 is part zero",
+            "stock:",
+            f"  cylinder: [{_mm(diameter)} mm, {_mm(top - low)} mm]",
+            f"  xyz: [0, 0, {_mm(low)}]",
+            f"  chuck: {{diameter: {_mm(diameter + 60.0 * MM)} mm, grip: {_mm(_GRIP)} mm}}",
+            "  # material: 42crmo4    # `gcodesim list materials`; with it there are forces and power",
+            "",
+            "tools:",
+            *(f"  {number}: {_tool(use)}" for number, use in sorted(self.uses.items())),
+            "",
+            f"limits: {{spindle_speed: {_rpm(self.fastest)} rpm}}    # {self._speed_told()}",
+        ]
+        return ("\n".join(lines) + "\n").encode()
+
+    def _speed_told(self) -> str:
+        return "the fastest that the program asks for" if self.fastest else "a guess"
+
+    @property
+    def needs(self) -> list[tuple[str, str]]:
+        """Rows of name and text: dialect, tools, bar."""
+        low, top = self._span
+        tools = [
+            f"T{number} {use.kind.replace('_', ' ')}" + (f" ({use.comment}, line {use.line})" if use.comment else "")
+            for number, use in sorted(self.uses.items())
+        ]
+        bar = f"a bar of {_mm(2.0 * self._radius)} mm from Z{_mm(low)} to Z{_mm(top)} mm (a guess by what is turned)"
+        rows = [("" if place else "tools", text) for place, text in enumerate(tools)]
+        return [("dialect", f"{self.dialect} ({self.why})"), *rows, ("stock", bar)]
+
+    @property
+    def guesses(self) -> list[str]:
+        """What is guessed, since the program does not tell."""
+        return ["the bar and its chuck", "the material", "the inserts and sizes of the tools"]
+
+
+def _dialect_of(program: SourceText) -> tuple[str, str] | None:
+    """Which control's lathe a program is for, and what shows it; None if it is for none."""
+    for name, dialect in (("fanuc", "fanuc_lathe"), ("linuxcnc", "linuxcnc")):
+        found = lathe_of(program, DIALECTS[name].lathe)
+        if found is not None:
+            return dialect, f"`{found.word}` in line {found.line}"
+    return None
+
+
+def _uses(events: Iterator[canon.Event], program: SourceText) -> tuple[dict[int, _Use], float, int]:
+    """What each tool does, the fastest that the spindle is asked for [rad/s], and the tool where none is called."""
+    uses: dict[int, _Use] = {}
+    number, fastest = 0, 0.0
+    at: tuple[float, float] | None = None
+    for event in events:
+        if isinstance(event, canon.ToolChange | canon.ToolNumber):
+            number = event.tool
+            if number and number not in uses:
+                uses[number] = _Use(line=event.span.line, comment=_comment(program, event.span.line))
+        elif isinstance(event, canon.Spindle):
+            said = [event.max_speed or 0.0, event.speed if event.unit != "m/s" else 0.0]
+            fastest = max(fastest, *said)
+        elif isinstance(event, canon.Move):
+            here = (float(event.end[0]), float(event.end[2]))
+            if at is not None and isinstance(event, canon.LinearFeed | canon.ArcFeed):
+                use = uses.setdefault(number, _Use())
+                if getattr(event, "pitch", None) is None:
+                    use.feeds.append((at[0], at[1], *here))
+                else:
+                    use.threads = True  # its moves begin and end beside the work
+            at = here
+    loose = uses.pop(0, None)
+    first = 0
+    if loose is not None:
+        first = 1 if not uses else 0
+        uses.setdefault(1 if first else min(uses), _Use()).feeds.extend(loose.feeds)
+    return uses, fastest, first
+
+
+def _comment(program: SourceText, line: int) -> str:
+    """The comment of a line, or, where it has none, of the line before."""
+    for number in (line, line - 1):
+        if found := _NOTE.search(program.line(number)):
+            return (found[1] or found[2] or "").strip()
+    return ""
+
+
+def _tool(use: _Use) -> str:
+    """A tool as a mapping of YAML."""
+    keys = [f"type: {use.kind}"]
+    insert = _INSERT.search(use.comment)
+    if insert and use.kind in ("turning_tool", "boring_tool"):
+        keys.append(f"insert: {insert[1].replace(' ', '').upper()}")
+    if use.kind in ("grooving_tool", "parting_tool"):
+        keys.append(f"width: {_mm(_width(use.comment))} mm")
+    if use.kind == "drill":
+        keys.append("diameter: 10 mm")
+    note = use.comment.replace("\n", " ") or "guessed"
+    return f"{{{', '.join(keys)}}}    # {note}"
+
+
+def _width(comment: str) -> float:
+    """The width of a blade by its comment, else a usual one."""
+    found = re.search(r"([0-9]+(?:\.[0-9]+)?) ?MM", comment, re.IGNORECASE)
+    return float(found[1]) * MM if found else _WIDTH
+
+
+def _rpm(speed: float) -> str:
+    return f"{speed / RPM if speed else _SPEED:.0f}"
+
+
+def _mm(length: float) -> str:
+    return f"{round(length / MM, 3) + 0.0:g}"
