@@ -44,7 +44,7 @@ from gcodesim.shop import Shop, open_shop
 
 if TYPE_CHECKING:
     from gcodesim.executor import Execution, Progress
-    from gcodesim.executor.halt import Halt
+    from gcodesim.executor.halt import RunHalt
     from gcodesim.executor.record import StepRecord
     from gcodesim.executor.totals import JointTotals, RowTotals
     from gcodesim.executor.track import Watcher
@@ -285,7 +285,7 @@ def _run(
     execution = None
     inspectors = {each.channel: Inspector(*_inspected(each), freely=job.world != KINEMATIC) for each in job.all}
 
-    def onward(halt: Halt) -> Plan | None:
+    def onward(halt: RunHalt) -> Plan | None:
         """The next leg, if the program has one; whoever watches the run gets to know it."""
         if job.others:  # all legs have been planned, or there would be no common clock
             return None

@@ -25,7 +25,7 @@ from gcodesim.frames import WORLD, Pose
 from gcodesim.kinematics.chain import BASE
 from gcodesim.rs274.dialects import DIALECTS
 from gcodesim.rs274.dialects.systems import dialect_with
-from gcodesim.sensors.switch import Switch
+from gcodesim.sensors.switch import SightSwitch
 from gcodesim.solids import Box
 from gcodesim.units import MM
 
@@ -409,7 +409,7 @@ def _check_devices(cell: Cell, to: Reading) -> None:
 def _check_heard(cell: Cell, to: Reading) -> None:
     """Sensors that inputs name are there, and answer yes or no."""
     known = to.names_in("sensors")
-    switches = [name for name, mounted in cell.sensors.items() if isinstance(mounted.sensor, Switch)]
+    switches = [name for name, mounted in cell.sensors.items() if isinstance(mounted.sensor, SightSwitch)]
     for reference in to.references:
         if reference.what != "sensor":
             continue

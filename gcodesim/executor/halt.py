@@ -12,7 +12,7 @@ Going = Callable[[int, int], Array]
 
 
 @frozen(eq=False)
-class Halt:
+class RunHalt:
     """Machines with joints (j,) by their names, the `tool` on the flange of the own one, a gripper `opening` (0 to 1).
 
     `moving` are parts and devices by their frames: they go on by belts, travels and falls that have begun.

@@ -11,7 +11,7 @@ import numpy as np
 
 from gcodesim.executor.ahead import CutThread, WindowCut
 from gcodesim.executor.behind import Behind
-from gcodesim.executor.halt import Halt
+from gcodesim.executor.halt import RunHalt
 from gcodesim.executor.made_by import passes_of
 from gcodesim.executor.pacing import Pacing
 from gcodesim.executor.part_run import PartRun
@@ -47,7 +47,7 @@ def execute(
     inspect: Inspect | None = None,
     watcher: Watcher | None = None,
     progress: Callable[[Progress], None] | None = None,
-    onward: Callable[[Halt], Plan | None] | None = None,
+    onward: Callable[[RunHalt], Plan | None] | None = None,
 ) -> Execution:
     """Run the whole plan in a world; stock changes in place. `pacing` says what its steps are: else ticks of `dt_ns`.
 
@@ -69,7 +69,7 @@ def execute_together(
     world_name: str,
     pacing: Pacing,
     progress: Callable[[Progress], None] | None = None,
-    onward: Callable[[Halt], Plan | None] | None = None,
+    onward: Callable[[RunHalt], Plan | None] | None = None,
 ) -> Execution:
     """Run the plans of several channels at once, all until the last of them ends; the first one looks at the stocks.
 
@@ -154,14 +154,14 @@ def execute_together(
     return replace(own, others=others, parts=ends, stays=stays)
 
 
-def _halt(track: Track, things: PartRun | None, record: StepRecord | None) -> Halt:
+def _halt(track: Track, things: PartRun | None, record: StepRecord | None) -> RunHalt:
     """Where a run stands whose last window is `record`."""
     joints = {track.shop.name: track.stands_at}
     if record is None:
-        return Halt(joints=joints, tool=int(track.rows.tool[0]), opening=1.0, moving={})
+        return RunHalt(joints=joints, tool=int(track.rows.tool[0]), opening=1.0, moving={})
     number = int(record.window.tool[-1])
     tool = track.shop.tool(number)
-    return Halt(
+    return RunHalt(
         joints=joints,
         tool=number,
         opening=record.opening(-1, tool.widest) if isinstance(tool, Gripper) else 1.0,

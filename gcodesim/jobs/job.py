@@ -20,7 +20,7 @@ from gcodesim.rs274 import Run, Settings
 from gcodesim.shop import Shop
 
 if TYPE_CHECKING:
-    from gcodesim.executor.halt import Halt
+    from gcodesim.executor.halt import RunHalt
     from gcodesim.executor.record import StepRecord
     from gcodesim.executor.tasks import Only
     from gcodesim.jobs.meetings import Appointments
@@ -59,7 +59,7 @@ class Options:
 class Onward(Protocol):
     """How the plan of a job goes on, leg by leg."""
 
-    def onward(self, halt: Halt | None = None) -> Plan | None:
+    def onward(self, halt: RunHalt | None = None) -> Plan | None:
         """The plan of all legs so far and the next, which the job keeps from then on; None: there is no further leg.
 
         `halt`: where the run stands now; None if nothing is run.

@@ -46,7 +46,7 @@ if TYPE_CHECKING:
     from gcodesim.checks.contact import Contact
     from gcodesim.checks.machine_collisions import MachineChecks
     from gcodesim.checks.postures import Postures
-    from gcodesim.executor.halt import Halt
+    from gcodesim.executor.halt import RunHalt
     from gcodesim.jobs.job import Job
 
 _QUESTIONS: Final = (canon.ProbeMove, canon.Input)
@@ -89,7 +89,7 @@ class Legs:
 
     # ---- for callers
 
-    def onward(self, halt: Halt | None = None) -> Plan | None:
+    def onward(self, halt: RunHalt | None = None) -> Plan | None:
         """The plan of all legs so far and the next; None when the program has no further leg.
 
         Findings are added to the job. All earlier legs have been run, so that the stock is in the state they left
@@ -376,7 +376,7 @@ class Legs:
         inputs = self.shop.cell.channels[self.shop.channel].inputs
         return inputs.get(_pin(question), InputSource())
 
-    def _hear_sensor(self, question: canon.Input, name: str, begin: float, halt: Halt | None) -> None:
+    def _hear_sensor(self, question: canon.Input, name: str, begin: float, halt: RunHalt | None) -> None:
         """What a switch of the cell says, and for how long M66 waits for it."""
         from gcodesim.observation.hearing import Hearing
         from gcodesim.observation.schedule import station_of
@@ -403,7 +403,7 @@ class Legs:
         self._question = None
         self._reply = canon.Heard(value=value)
 
-    def _hear(self, question: canon.Input, halt: Halt | None) -> None:
+    def _hear(self, question: canon.Input, halt: RunHalt | None) -> None:
         """What an input reads, as the cell has it; the machine has come to rest, and stands while it waits."""
         pending = self._builder.events
         begin = self._steps * self._step_ns * 1e-9 + sum(self._duration_of(noted) for noted in pending)

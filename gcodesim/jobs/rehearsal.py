@@ -10,7 +10,7 @@ from gcodesim.shop import side_by_side
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from gcodesim.executor.halt import Halt
+    from gcodesim.executor.halt import RunHalt
     from gcodesim.jobs.job import Job
     from gcodesim.planning import Plan
     from gcodesim.scene import Stay
@@ -48,7 +48,7 @@ def rehearse(job: Job, *, onward: bool = False) -> Sequence[Stay] | None:
         for plan, own, who in zip(plans, shops, inspectors, strict=True)
     ]
 
-    def further(halt: Halt) -> Plan | None:
+    def further(halt: RunHalt) -> Plan | None:
         plan = None if job.legs is None else job.legs.onward(halt)
         if plan is not None:
             inspectors[0].follow(plan)

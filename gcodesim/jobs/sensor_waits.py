@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from gcodesim.diagnostics import Diagnostic
 from gcodesim.executor.device_run import DeviceRun
-from gcodesim.executor.halt import Halt
+from gcodesim.executor.halt import RunHalt
 
 if TYPE_CHECKING:
     from gcodesim.canon import Input
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 _SAYS = {"rise": "to rise (L1)", "fall": "to fall (L2)", "high": "to be 1 (L3)", "low": "to be 0 (L4)"}
 
 
-def standing_still(shop: Shop, plan: Plan, joints: Array, steps: int, step_ns: int) -> Halt:
+def standing_still(shop: Shop, plan: Plan, joints: Array, steps: int, step_ns: int) -> RunHalt:
     """The halt after so many steps of a plan that nobody runs: devices as it has switched them, parts at rest."""
     devices = DeviceRun(shop, step_ns * 1e-9)
     devices.follow(shop.channel, plan)
@@ -27,7 +27,7 @@ def standing_still(shop: Shop, plan: Plan, joints: Array, steps: int, step_ns: i
         return lambda first, count: devices.drawn(name, steps - 1 + first, count)
 
     number = plan.path.state_of(len(plan.path) - 1).tool if len(plan.path) else 0
-    return Halt(
+    return RunHalt(
         joints={shop.name: joints}, tool=int(number), opening=1.0, moving={name: going(name) for name in devices.frames}
     )
 

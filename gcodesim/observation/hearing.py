@@ -12,10 +12,10 @@ from gcodesim.cell.inputs import InputSource, Wait
 from gcodesim.frames import Array, Pose
 from gcodesim.observation.schedule import Station
 from gcodesim.observation.stage import Stage, surface_of
-from gcodesim.sensors.switch import Switch
+from gcodesim.sensors.switch import SightSwitch
 
 if TYPE_CHECKING:
-    from gcodesim.executor.halt import Halt
+    from gcodesim.executor.halt import RunHalt
     from gcodesim.shop import Shop
 
 _AT_ONCE: Final = 512
@@ -36,8 +36,8 @@ class Hearing:
     Machines, tools, stocks and fixtures stand still; parts, belts, doors and what falls go on.
     """
 
-    def __init__(self, shop: Shop, station: Station, halt: Halt, dt: float) -> None:
-        assert isinstance(station.sensor, Switch)
+    def __init__(self, shop: Shop, station: Station, halt: RunHalt, dt: float) -> None:
+        assert isinstance(station.sensor, SightSwitch)
         self._shop, self._sensor, self._station, self._halt, self._dt = shop, station.sensor, station, halt, dt
         self._stage = Stage.of(shop)
         self._q = {name: joints[None] for name, joints in halt.joints.items()}

@@ -8,11 +8,11 @@ from gcodesim.declarations.keys import key
 from gcodesim.declarations.kind import WITHIN_REACH
 from gcodesim.declarations.quantity import Quantity, Vector
 from gcodesim.frozen import frozen
-from gcodesim.sensors.switch import Switch
+from gcodesim.sensors.switch import SightSwitch
 
 
 @frozen
-class LightBarrier(Switch):
+class LightBarrier(SightSwitch):
     """A beam from a sender, which is in the place of the sensor, to a receiver or a reflector.
 
     The beam is a line: a real one has some width, and switches when about half of it is covered.

@@ -8,11 +8,11 @@ from gcodesim.declarations.keys import key
 from gcodesim.declarations.kind import Range
 from gcodesim.declarations.quantity import Quantity
 from gcodesim.frozen import frozen
-from gcodesim.sensors.switch import Switch
+from gcodesim.sensors.switch import SightSwitch
 
 
 @frozen
-class ProximitySwitch(Switch):
+class ProximitySwitch(SightSwitch):
     """A switch that notices what comes within its range along its Z: inductive, capacitive, ultrasonic or by light.
 
     It takes everything for the same, metal or not, and looks along its axis only; hysteresis is not modelled.
@@ -35,4 +35,4 @@ class ProximitySwitch(Switch):
         return (0.0, 0.0, 0.0), (0.0, 0.0, self.range)
 
     def figures(self, share: float) -> dict[str, float]:
-        return {**Switch.figures(self, share), "distance_m": self.range * min(share, 1.0)}
+        return {**SightSwitch.figures(self, share), "distance_m": self.range * min(share, 1.0)}

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 @frozen
-class Switch(Sensor):
+class SightSwitch(Sensor):
     """A sensor that looks along a straight line and switches when something is on it.
 
     `sightline` is that line. `noticed` is the word of the log for what it does when something is there, `where` that of

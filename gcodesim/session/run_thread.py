@@ -13,7 +13,7 @@ from gcodesim.planning.legs import followed_by
 from gcodesim.shop import with_stock
 
 if TYPE_CHECKING:
-    from gcodesim.executor.halt import Halt
+    from gcodesim.executor.halt import RunHalt
     from gcodesim.jobs.job import Job
     from gcodesim.jobs.results import Results
     from gcodesim.planning import Plan
@@ -73,7 +73,7 @@ class RunThread:
 
     # ---- for the run
 
-    def onward(self, halt: Halt | None = None) -> Plan | None:
+    def onward(self, halt: RunHalt | None = None) -> Plan | None:
         """Wait for a further leg; None: there is none."""
         self._reached.put(True)
         return self._job.plan if self._further.get() else None

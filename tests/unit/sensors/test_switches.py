@@ -10,11 +10,11 @@ from gcodesim.sensors.noise import Noise
 from gcodesim.sensors.proximity_switch import ProximitySwitch
 from gcodesim.sensors.scenery import Scenery
 from gcodesim.sensors.sensor import Sight
-from gcodesim.sensors.switch import Switch
+from gcodesim.sensors.switch import SightSwitch
 from gcodesim.solids import Box, triangles_of
 
 
-def state(sensor: Switch, lower: tuple[float, float, float], X: np.ndarray | None = None) -> dict[str, float]:
+def state(sensor: SightSwitch, lower: tuple[float, float, float], X: np.ndarray | None = None) -> dict[str, float]:
     """What a sensor says of a cube with sides of 0.1 m."""
     skin = triangles_of(Box(lower=lower, upper=tuple(value + 0.1 for value in lower)))
     scenery = Scenery.of([(skin.points[skin.faces], np.array([90, 120, 150], np.uint8))])
