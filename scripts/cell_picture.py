@@ -67,18 +67,14 @@ def _eye(cloud: Array, back: Array, ratio: float) -> tuple[Array, Array]:
     up = np.cross(back, right)
     x, y, z = cloud @ right, cloud @ up, cloud @ back
     half = MARGIN * tan(0.5 * VIEW)
-    # of each border, the nearest point at which the eye may stand; then the middle between two borders
-    away = max(np.ptp(x) / (2.0 * half), np.ptp(y) * ratio / (2.0 * half))
-    for _ in range(30):
+    middle = np.array([0.5 * (x.max() + x.min()), 0.5 * (y.max() + y.min())])
+    away = max(np.ptp(x), np.ptp(y) * ratio) / (2.0 * half)
+    for _ in range(60):  # what is nearer looks larger, so neither is known at once
         depth = z.max() + away - z
-        across, high = x / depth, y / depth * ratio
-        spread = max(np.ptp(across), np.ptp(high))
-        away *= spread / (2.0 * half)
-    depth = z.max() + away - z
-    shift_x = 0.5 * ((x / depth).max() + (x / depth).min())
-    shift_y = 0.5 * ((y / depth).max() + (y / depth).min())
-    middle = (away * shift_x) * right + (away * shift_y) * up
-    eye = middle + (z.max() + away) * back
+        seen = np.stack([x - middle[0], y - middle[1]]) / depth
+        middle += 0.5 * (seen.max(axis=1) + seen.min(axis=1)) * depth.mean()
+        away *= (0.5 * max(np.ptp(seen[0]), np.ptp(seen[1]) * ratio) / half) ** 0.7
+    eye = middle[0] * right + middle[1] * up + (z.max() + away) * back
     return eye, eye - back
 
 

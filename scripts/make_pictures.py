@@ -1,6 +1,7 @@
-"""Make the pictures of the README anew: `python scripts/make_pictures.py [NAME …] [--viewer]`.
+"""Make the pictures of README and gallery anew: `python scripts/make_pictures.py [NAME …] [--viewer]`.
 
-Each picture carries the hash of the part that its run leaves (PNG text `Part`), so a test tells when one is stale.
+Each picture of the README carries the hash of the part that its run leaves (PNG text `Part`), each of the gallery the
+digest of the accepted result that it shows, so a test tells when one is stale.
 `report.png` needs chromium (`make browser`), `replay.png` the viewer of `view_log.py`; it is made with `--viewer` only.
 """
 
@@ -8,6 +9,7 @@ from __future__ import annotations
 
 import argparse
 import hashlib
+import json
 import struct
 import subprocess
 import sys
@@ -42,6 +44,58 @@ PICTURES = {
         "bracket.nc", "bracket.yaml", "bullet", ("view_log.py", "{out}/run.mcap", "--picture", "{png}", "--at", "0.6")
     ),
 }
+
+
+class Shot(NamedTuple):
+    """A picture of the gallery: the example, the time [s] of its run (None: the end), words for `cell_picture.py`."""
+
+    example: str
+    at: float | None
+    view: str = ""
+    channels: tuple[str, ...] = ()
+
+
+GALLERY = {
+    "agv.png": Shot("agv", 4.5, "--turn 110"),
+    "bushing.png": Shot("bushing", 33.0, "--target 0 0 0.17 --span 0.35 --turn -25 --tilt 15"),
+    "cut_and_blast.png": Shot("cut_and_blast", 4.8, "--target 0.425 0.28 -0.27 --span 0.22"),
+    "cutters.png": Shot("cutters", 125.0, "--target 0.5 0.36 -0.3 --span 0.36 --tilt 35"),
+    "flange.png": Shot("flange", None, "--target 0.4 0.3 -0.27 --span 0.3"),
+    "inspection.png": Shot("inspection", 8.0, "--target 0.53 0.33 -0.29 --span 0.4"),
+    "learned_wall.png": Shot("learned_wall", 26.0, "--target 0.53 -0.03 0.24 --span 0.45"),
+    "machine_tending.png": Shot("machine_tending", 9.0),
+    "palletising.png": Shot("palletising", 30.0),
+    "quick_change.png": Shot("quick_change", 15.0, "--turn 60"),
+    "rivets.png": Shot("rivets", None, "--target 0.43 0.315 -0.305 --span 0.13 --tilt 40"),
+    "scan_heads.png": Shot("scan_heads", 2.2, "--target 0.46 0.28 -0.26 --span 0.4"),
+    "spray_two_arms.png": Shot("spray_two_arms", 4.0, "", ("holder=spray_two_arms.holder.nc",)),
+    "two_arms.png": Shot("two_arms", 20.0, "", ("right=two_arms.right.nc",)),
+    "welding.png": Shot("welding", 20.0),
+}
+
+
+def shoot(shot: Shot, folder: Path, png: Path) -> str:
+    """Run an example and draw its cell into `png`; the digest of its accepted result."""
+    out = folder / "out"
+    program, cell = TOP / "programs" / f"{shot.example}.nc", TOP / "cells" / f"{shot.example}.yaml"
+    words = [word for channel in shot.channels for word in ("--channel", _in_programs(channel))]
+    order = ("run", program, "--cell", cell, "--world", "kinematic", "--out", out, *words)
+    subprocess.run([sys.executable, "-m", "gcodesim", *map(str, order)], check=True, cwd=TOP, capture_output=True)
+    view = [*shot.view.split(), *([] if shot.at is None else ["--at", str(shot.at)])]
+    script = (sys.executable, str(TOP / "scripts" / "cell_picture.py"), str(out), str(png), *view)
+    subprocess.run(script, check=True, cwd=TOP)
+    return digest_of(shot)
+
+
+def _in_programs(channel: str) -> str:
+    name, _, program = channel.partition("=")
+    return f"{name}={TOP / 'programs' / program}"
+
+
+def digest_of(shot: Shot) -> str:
+    """What stands in the golden file of an example."""
+    golden = json.loads((TOP / "programs" / f"{shot.example}.golden.json").read_text(encoding="utf-8"))
+    return str(golden["digest"])
 
 
 def run(picture: Picture, out: Path) -> str:
@@ -84,11 +138,20 @@ def part_of(png: bytes) -> str | None:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("names", nargs="*", metavar="NAME", help=f"{', '.join(PICTURES)} (default: all)")
+    parser.add_argument("names", nargs="*", metavar="NAME", help=f"{', '.join([*PICTURES, *GALLERY])} (default: all)")
     parser.add_argument("--viewer", action="store_true", help="also the picture that needs the viewer")
     parser.add_argument("--into", type=Path, default=TOP / "docs", metavar="DIR", help="where to (default: docs)")
     arguments = parser.parse_args()
-    for name in arguments.names or PICTURES:
+    for name in arguments.names or [*PICTURES, *GALLERY]:
+        if name in GALLERY:
+            with tempfile.TemporaryDirectory() as folder:
+                png = Path(folder) / name
+                digest = shoot(GALLERY[name], Path(folder), png)
+                target = arguments.into / "gallery" / name
+                target.parent.mkdir(exist_ok=True)
+                target.write_bytes(stamped(png.read_bytes(), digest))
+            print(target)
+            continue
         if "view_log.py" in PICTURES[name].script and not arguments.viewer:
             continue
         with tempfile.TemporaryDirectory() as folder:

@@ -97,7 +97,7 @@ def settings_of_cell(
         wired=_wired(cell, channel),
         has_cell=True,
         turns=is_lathe(cell.machine_of(channel)),
-        unturned=frozenset(n for n, tool in cell.tools.items() if SPINDLE.name not in signals_read_by([tool])),
+        unturned=frozenset(n for n, tool in cell.tools.items() if not _turns(tool)),
         tool_length=own.tool_length,
         loaded_tool=own.loaded_tool or 0,
         auto_length=lengths,
@@ -116,6 +116,11 @@ def settings_of_cell(
         },
     )
     return settings, findings
+
+
+def _turns(tool: Tool) -> bool:
+    """Whether it works only while a spindle turns it; a drag knife cuts like a mill and does not."""
+    return SPINDLE.name in signals_read_by([tool]) and bool(getattr(tool, "turns", True))
 
 
 def length_offset(tool: Tool, mover: MachineTool | Robot) -> canon.Point:

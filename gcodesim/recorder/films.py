@@ -12,7 +12,7 @@ from gcodesim.frames import Array, Pose
 from gcodesim.frozen import frozen
 from gcodesim.log import DrawnMesh
 from gcodesim.log.topics import MOST_TILES
-from gcodesim.recorder.frames import stock_frame
+from gcodesim.recorder.frames import stock_frame, things_of
 
 if TYPE_CHECKING:
     from gcodesim.material.film import BodyFilm
@@ -54,7 +54,7 @@ class Films:
     def frame(self, number: int, frames: Frames) -> tuple[str, str, Pose]:
         """The name of a film, the frame of the log in which it is drawn, and where its body stands in that."""
         name = self._coated[number].frame
-        if name in frames.parts:
+        if name in things_of(frames.shop):
             return name, name, Pose.identity()
         stocks = [placed.frame for placed in frames.shop.stocks.values()]
         if name in stocks:

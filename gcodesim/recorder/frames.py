@@ -46,7 +46,8 @@ class Frames:
     `stocks` maps the names of stocks' frames in the log to those in the scene; a cell without stock has one, at G54.
     Where several programs run at once, further channels put their name (`prefix`) before `tool`, `tcp`, `part` and
     `path`, and have the stocks and fixtures that their own machine carries; all others are those of the first.
-    `parts` are the frames of parts, which any gripper may move, and of devices; all are those of the first channel.
+    `parts` are the frames of parts, which any gripper may move, and of devices; all are those of the first channel,
+    unless nothing moves them but the machine that they stand on.
     `sensors` are named like `stocks`.
     """
 
@@ -84,7 +85,7 @@ class Frames:
             prefix=prefix,
             sensors=sensors,
             moving_sensors=tuple(name for name, frame in sensors.items() if shop.scene.moves(frame)),
-            parts=() if prefix else things_of(shop),
+            parts=_things_drawn(shop, prefix),
         )
 
     @property
@@ -231,6 +232,13 @@ def _is_drawn(shop: Shop, frame: str, prefix: str) -> bool:
 def things_of(shop: Shop) -> tuple[str, ...]:
     """The frames of parts, then those of devices."""
     return tuple(body.name for role in ("part", "obstacle") for body in shop.scene.bodies if body.role == role)
+
+
+def _things_drawn(shop: Shop, prefix: str) -> tuple[str, ...]:
+    """The parts and devices that are drawn with a channel."""
+    if shop.moves_parts:
+        return () if prefix else things_of(shop)
+    return tuple(name for name in things_of(shop) if _is_drawn(shop, name, prefix))
 
 
 def _static(name: str, X: Pose) -> StaticFrame:

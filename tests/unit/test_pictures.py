@@ -46,3 +46,22 @@ def test_a_stamp_is_read_back(pictures):
     png = (ROOT / "docs/bracket.png").read_bytes()
 
     assert pictures.part_of(pictures.stamped(png.replace(pictures.STAMP, b"Else"), "ab12")) == "ab12"
+
+
+def test_no_picture_of_the_gallery_is_stale(pictures):
+    """Each shows the result that is accepted now, and stands on the page."""
+    page = (ROOT / "docs" / "gallery.md").read_text(encoding="utf-8")
+
+    assert set(pictures.GALLERY) == {path.name for path in (ROOT / "docs" / "gallery").glob("*.png")}
+    for name, shot in pictures.GALLERY.items():
+        png = (ROOT / "docs" / "gallery" / name).read_bytes()
+        assert pictures.part_of(png) == pictures.digest_of(shot), f"scripts/make_pictures.py {name}"
+        assert f"(gallery/{name})" in page and f"`{shot.example}`" in page
+
+
+def test_a_picture_of_the_gallery_is_drawn_from_a_log(pictures, tmp_path, monkeypatch):
+    monkeypatch.setattr(sys, "argv", ["make_pictures.py", "scan_heads.png", "--into", str(tmp_path)])
+    pictures.main()
+
+    made, kept = (np.asarray(Image.open(folder / "gallery/scan_heads.png")) for folder in (tmp_path, ROOT / "docs"))
+    assert np.array_equal(made, kept)

@@ -1,0 +1,19 @@
+(plasma cuts a tongue, sand takes the scale off it)
+G21 G90 G17 G94 G61
+T1 M6
+G43 H1
+G0 X5 Y10 Z0
+M62 P0
+G1 X35 F1500
+G3 X35 Y30 I0 J10
+G1 X5
+M63 P0
+G0 Z40
+T2 M6
+G43 H2
+G0 X10 Y20 Z0
+M62 P0
+G1 X35 F600
+M63 P0
+G0 Z60
+M2

@@ -1,0 +1,18 @@
+(welding: a frame of 100 x 60 mm with round corners, in one bead)
+G21 G90 G17 G94 G64 P0.2
+T1 M6
+G43 H1
+G0 X30 Y20 Z40
+G0 Z2
+M10
+G1 X110 F600
+G3 X120 Y30 I0 J10
+G1 Y70
+G3 X110 Y80 I-10 J0
+G1 X30
+G3 X20 Y70 I0 J-10
+G1 Y30
+G3 X30 Y20 I10 J0
+M11
+G0 Z60
+M2
