@@ -18,14 +18,16 @@ from gcodesim.executor.halt import Going
 from gcodesim.executor.switching import Switching
 from gcodesim.frames import WORLD, Array, Pose
 from gcodesim.frozen import frozen
-from gcodesim.processes.gripping import GRIP, GripEvent
+from gcodesim.processes.gripping import GRIP, GripEvent, Slid
 from gcodesim.scene import CarriedParts, Fall, Hold, PartChange, Stay
 from gcodesim.shop import BODIES, Shop
 from gcodesim.solids import Triangles, triangles_of
 from gcodesim.solids.mass import MassOfSkin, mass_of_skin
 from gcodesim.solids.resting import SUNK, gap_below
+from gcodesim.tools.gripper import PadFaces
 from gcodesim.world import fall_of
 from gcodesim.world.body import Inertia, ToolBody
+from gcodesim.world.contact_hold import ContactHold, Press
 from gcodesim.world.falling import Below, Drop
 from gcodesim.world.protocol import STANDARD_GRAVITY
 
@@ -86,6 +88,7 @@ class PartRun:
         self._past: dict[str, list[Stay]] = {name: [] for name in self.names}
         self._start = {name: shop.scene.at_rest(name) for name in self.names}
         self._floors = self._levels()
+        self._holds: dict[str, tuple[int, Array, ContactHold | None]] = {}
         self._lay_on_devices()
 
     # ---- how parts come to rest
@@ -186,9 +189,7 @@ class PartRun:
         self.ran.apply(change)
         hold, fall = change.hold, change.fall
         begin = max(hold.step if fall is None else fall.end, 0) * self.dt
-        stay = Stay(
-            body=hold.body, parent=hold.parent, X=hold.X, begin=begin, holder=change.holder, room=change.room
-        )
+        stay = Stay(body=hold.body, parent=hold.parent, X=hold.X, begin=begin, holder=change.holder, room=change.room)
         past = self._past[hold.body]
         if past:
             past[-1] = replace(past[-1], end=max(hold.step, 0) * self.dt)
@@ -212,6 +213,21 @@ class PartRun:
                 count = self._counts[event.part]
                 count.grips += event.kind == "taken"
                 count.falls += event.kind == "lost" or (event.kind == "released" and event.height > SET_DOWN)
+
+    def is_taken(self, step: int, name: str, X_TP: Array) -> None:
+        """A gripper closes on a part."""
+        self._holds[name] = (step, X_TP.copy(), None)
+
+    def slid(self, step: int, name: str, press: tuple[PadFaces, float, float], loads: Array) -> Slid | None:
+        """See `processes.gripping.PartsAtHand`."""
+        if self.world_name != "bullet" or name not in self._holds:
+            return None
+        taken, X_TP, hold = self._holds[name]
+        if hold is None:
+            mass = replace(self.masses[name], mass=self.planned.mass(name, step))
+            hold = ContactHold(self.skins[name], mass, X_TP, Press(*press), self.dt)
+            self._holds[name] = (taken, X_TP, hold)
+        return hold.run(step - taken, loads)
 
     def was_let_go(self, name: str, X_W: Array) -> None:
         self._counts[name].let_go = X_W
@@ -336,6 +352,17 @@ class PartsInWindow:
         X_FP = Pose.from_matrix(multiplied(self._X_FT.matrix, X_TP))
         hold = Hold(step=self._first + step, body=name, parent=flange, X=X_FP)
         self._apply(PartChange(hold=hold, holder=self._holder))
+        self._run.is_taken(self._first + step, name, X_TP)
+
+    def slid(self, step: int, name: str, press: tuple[PadFaces, float, float], loads: Array) -> Slid | None:
+        return self._run.slid(self._first + step, name, press, loads)
+
+    def shift(self, step: int, name: str, X_WP: Array, X_TP: Array) -> None:
+        flange = f"{self._shop.name}/{self._shop.kinematics.chain.flange_name}"
+        X_FP = Pose.from_matrix(multiplied(self._X_FT.matrix, X_TP))
+        now = self._first + step
+        hold = Hold(step=now, body=name, parent=flange, X=X_FP)
+        self._apply(PartChange(hold=hold, fall=Fall(step=now, X=X_WP), holder=self._holder))
 
     def let_go(self, step: int, name: str, X_WP: Array, velocity: Array) -> tuple[float, str]:
         now = self._first + step

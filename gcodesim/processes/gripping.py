@@ -4,6 +4,9 @@ A part counts as rigidly held while the force that the grip has is at least the 
 it needs more, the part slips out and is lost. What it needs follows from the weight in the attitude of the tool and
 from the acceleration that the command gives to the part's centre of mass (`tools.grip_laws`). As long as the tool has
 not moved since it closed, whatever the part lies on carries it.
+
+A gripper that holds by contacts leaves all that to the contact forces of a world that has them: there the part slides,
+turns between the pads, and is lost when nothing touches it any more.
 """
 
 from __future__ import annotations
@@ -23,7 +26,7 @@ from gcodesim.tools.grip_laws import load_of
 
 if TYPE_CHECKING:
     from gcodesim.processes.materials import Material
-    from gcodesim.tools.gripper import Gripper
+    from gcodesim.tools.gripper import Gripper, PadFaces
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -39,6 +42,15 @@ STILL: Final = 1e-6
 
 Found = tuple[float, int, str, Array, Array, float]
 """A part that could be taken: how far off it is [m], its index and name, X_TP, contacts, and the opening then."""
+
+Slid = tuple[Array, int | None]
+"""X_TP (m, 4, 4) of a part that may slide, and the step in which it is lost."""
+
+SLIDING_TURN: Final = 2e-3
+"""[rad] by which it has to turn."""
+
+SLIPS: Final = 5e-5
+"""[m] by which a part has to move in the grip to count as sliding: less is the give of the contacts."""
 
 OPEN, CLOSING, EMPTY, HOLDING = 0.0, 1.0, 2.0, 3.0
 _CONTACTS: Final = 64  # rows of contacts that a state has room for
@@ -95,6 +107,15 @@ class PartsAtHand(Protocol):
 
     def take(self, step: int, name: str, X_TP: Array) -> None:
         """From the step on the gripper holds the part."""
+
+    def slid(self, step: int, name: str, press: tuple[PadFaces, float, float], loads: Array) -> Slid | None:
+        """Where contacts let a part go that pads hold, with a force [N] and friction, from the step on under `loads`
+
+        (m, 3) [N] in T; None: this world knows no contacts.
+        """
+
+    def shift(self, step: int, name: str, X_WP: Array, X_TP: Array) -> None:
+        """From the step on the part is at X_WP (m, 4, 4), and then held at X_TP (4, 4)."""
 
     def let_go(self, step: int, name: str, X_WP: Array, velocity: Array) -> tuple[float, str]:
         """From the step on nobody holds the part; how far [m] it falls, and onto what."""
@@ -286,8 +307,14 @@ class _Shift:
         lifted[k:] = np.logical_or.accumulate((way[k:] > STILL) | (turned[k:] > STILL)) | (v[2] < 0.0)
         needs = np.where(lifted, needs, 0.0)
         has = gripper.has(self.state.contacts)
-        lost = np.flatnonzero(needs[k:end] > has * (1.0 + 1e-9))
+        slid = self._slid(name, k, end, X_TP, np.where(lifted[:, None], self._load(name, k, center), 0.0))
+        if slid is None:
+            lost = np.flatnonzero(needs[k:end] > has * (1.0 + 1e-9))
+        else:
+            lost = np.array([] if slid[1] is None else [slid[1]], dtype=np.intp)
         stop = k + int(lost[0]) if len(lost) else end
+        if slid is not None and stop > k:
+            X_TP = self._shifted(name, k, stop, X_TP, slid[0])
         held = slice(k, stop)
         self.columns["held"][held] = self.columns["engaged"][held] = True
         self.columns["grip_needed"][held] = needs[held]
@@ -305,6 +332,10 @@ class _Shift:
         at_change = not len(lost)
         X_WT = parts.tip_at_change(stop) if at_change else self.track[stop + 1]
         velocity = np.zeros(3) if at_change else (center[stop + 1] - center[stop]) / dt
+        if slid is not None and not at_change and stop > k + 1:
+            way = multiplied(self.track[stop : stop + 2], slid[0][stop - k - 2 : stop - k])
+            at = applied(way[:, :3, :3], parts.center(name)) + way[:, :3, 3]
+            velocity = (at[1] - at[0]) / dt
         height, support = parts.let_go(stop, name, multiplied(X_WT, X_TP), velocity)
         v[3] = -1.0
         if at_change:
@@ -317,13 +348,40 @@ class _Shift:
         self.events.append(event)
         return stop
 
-    def _needs(self, name: str, k: int, center: Array, X_TP: Array) -> Array:
-        """Force (n,) [N] that holds the part; `center` (n + 2, 3) is the way of its centre of mass."""
+    def _slid(self, name: str, k: int, end: int, X_TP: Array, load: Array) -> Slid | None:
+        """Where contacts let the part go in steps `k` to `end`; None where statics decides."""
+        pads = self.gripper.pads(self.state.contacts)
+        if pads is None:
+            return None
+        friction = self.gripper.mu(self.parts.friction(name))
+        return self.parts.slid(k, name, (pads, self.gripper.has(self.state.contacts), friction), load[k:end])
+
+    def _shifted(self, name: str, k: int, stop: int, X_TP: Array, rows: Array) -> Array:
+        """Where a part is held at the end of steps `k` to `stop`, in which it went through `rows` (m, 4, 4) in T."""
+        rows = rows[: stop - k]
+        across = norms((rows[:, :3, 3] - X_TP[:3, 3]) * np.array([0.0, 1.0, 1.0]))
+        moved = np.flatnonzero(
+            (across > SLIPS) | (np.abs(rows[:, :3, :3] - X_TP[:3, :3]).max(axis=(1, 2)) > SLIDING_TURN)
+        )
+        if not len(moved):
+            return X_TP
+        first, last = int(moved[0]), rows[-1]
+        X_WP = multiplied(self.track[k + 2 + first : stop + 2], rows[first:])
+        self.parts.shift(k + first, name, X_WP, last)
+        self.state._matrix(1)[:] = last
+        return last.copy()
+
+    def _load(self, name: str, k: int, center: Array) -> Array:
+        """Force (n, 3) [N] of the part on the gripper, in T; `center` (n + 2, 3) is the way of its centre of mass."""
         parts = self.parts
         acceleration = (center[2:] - 2.0 * center[1:-1] + center[:-2]) / (self.window.dt * self.window.dt)
         load = load_of(parts.mass(name, k), acceleration, parts.gravity)
-        R_TW = self.track[2:, :3, :3].transpose(0, 2, 1)
-        load_T = applied(R_TW, load)
+        load_T: Array = applied(self.track[2:, :3, :3].transpose(0, 2, 1), load)
+        return load_T
+
+    def _needs(self, name: str, k: int, center: Array, X_TP: Array) -> Array:
+        """Force (n,) [N] that holds the part."""
+        parts, load_T = self.parts, self._load(name, k, center)
         arm = applied(X_TP[:3, :3], parts.center(name)) + X_TP[:3, 3]
         moment = np.cross(np.broadcast_to(arm, load_T.shape), load_T)
         return self.gripper.needs(load_T, moment, self.gripper.mu(parts.friction(name)), self.state.contacts)

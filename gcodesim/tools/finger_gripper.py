@@ -9,12 +9,13 @@ import numpy as np
 from gcodesim.declarations.file_kind import File, FileValue
 from gcodesim.declarations.keys import key
 from gcodesim.declarations.kind import POSITIVE
+from gcodesim.declarations.plain_kinds import Choice
 from gcodesim.declarations.quantity import Quantity
 from gcodesim.frames import Array, Pose
 from gcodesim.frozen import frozen
 from gcodesim.solids import Box, Mesh, MeshFile, Placed
 from gcodesim.tools.body import Primitive, cylinder
-from gcodesim.tools.gripper import Gripper
+from gcodesim.tools.gripper import Gripper, PadFaces
 from gcodesim.units import MM
 
 
@@ -34,6 +35,13 @@ class FingerGripper(Gripper):
         rule="40 mm, at most half the length",
     )
     finger_thickness: float = key(Quantity("length", POSITIVE), "of a finger, along X", default=10.0 * MM)
+    hold: str = key(
+        Choice(("statics", "contacts")),
+        "how it holds a part in bullet: rigidly while statics allows, or by contact forces alone, so that it slides "
+        "and turns; in the kinematic world always by statics",
+        default="statics",
+        quiet=True,
+    )
     mesh: FileValue | None = key(
         File("a mesh file"),
         "shape of the finger on the side of +X in mm, its pad in the plane X = 0 of the tool; the other is its mirror",
@@ -88,6 +96,17 @@ class FingerGripper(Gripper):
         y = z = 0.0
         pads = np.array([[low, y, z, self.finger_width], [high, y, z, self.finger_width]])
         return pads, min((high - low) / self.stroke, 1.0)
+
+    def pads(self, contacts: Array) -> PadFaces | None:
+        if self.hold == "statics":
+            return None
+        return PadFaces(
+            left=float(contacts[0, 0]),
+            right=float(contacts[1, 0]),
+            width=self.finger_width,
+            length=self.finger_length,
+            thickness=self.finger_thickness,
+        )
 
     def too_wide(self, skin: Array, opening: float) -> float | None:
         between = self._between(skin)

@@ -16,6 +16,17 @@ FRICTION: Final = 0.3
 
 
 @frozen
+class PadFaces:
+    """Two pads across X of T: their faces at `left` and `right` [m], `width` along Y, `length` up from the tip."""
+
+    left: float
+    right: float
+    width: float
+    length: float
+    thickness: float
+
+
+@frozen
 class Gripper(Tool):
     """A tool that carries parts. Opening 0 is closed, 1 is open.
 
@@ -60,6 +71,10 @@ class Gripper(Tool):
 
     def too_wide(self, skin: Array, opening: float) -> float | None:
         """The opening [m] that a body between the fingers takes, if that is more than there is; else None."""
+        return None
+
+    def pads(self, contacts: Array) -> PadFaces | None:
+        """Its pads on a part at contacts (c, 4), if that is held by contact alone; None: by the rule of statics."""
         return None
 
     @property
