@@ -365,11 +365,11 @@ class _Shift:
         )
         if not len(moved):
             return X_TP
-        first, last = int(moved[0]), rows[-1]
+        first, last = int(moved[0]), np.array(rows[-1])
         X_WP = multiplied(self.track[k + 2 + first : stop + 2], rows[first:])
         self.parts.shift(k + first, name, X_WP, last)
         self.state._matrix(1)[:] = last
-        return last.copy()
+        return last
 
     def _load(self, name: str, k: int, center: Array) -> Array:
         """Force (n, 3) [N] of the part on the gripper, in T; `center` (n + 2, 3) is the way of its centre of mass."""

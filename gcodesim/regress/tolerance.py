@@ -91,7 +91,7 @@ _PATHS: Final = tuple(
         (r"joints\..*\.max_effort$", "joint_effort"),
         (r"^path_accuracy\..*_mm$", "path_accuracy"),
         (r"_um$", "film"),
-        (r"^stocks\..*\.doses\..*\.(greatest|total)$|_J(_m2)?$", "dose"),
+        (r"^stocks\..*\.doses\..*\.(greatest|total)$|_J(_m2?)?$", "dose"),
         (r"^(coating|target)\..*(share|share_outside|_mm2)$", "covered"),
         (r"_mm3$", "volume"),
         (r"_mm$", "distance"),
