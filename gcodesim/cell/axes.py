@@ -51,7 +51,7 @@ class AxesKind(Kind):
         for name, value in node.entries:
             if name.text.startswith(FREE):
                 continue
-            letter = read_name(rule, name, [(*path, given) for given in axes], to)
+            letter = read_name(rule, name, path, axes, to)
             if isinstance(letter, Unread):
                 axes[name.text] = UNREAD
                 continue

@@ -20,6 +20,7 @@ from gcodesim.arithmetic.elementary import cos, sin
 from gcodesim.arithmetic.matrices import applied, multiplied
 from gcodesim.checks.cell_bodies import CellBodies, CellBody
 from gcodesim.checks.meetings import TOUCH, JointWay, Meeting, MovingBodies
+from gcodesim.checks.pairs import pairs_by_kind
 from gcodesim.checks.timed_way import TimedWay
 from gcodesim.checks.way_kernels import JointTree
 from gcodesim.frames import Array, Pose
@@ -117,14 +118,11 @@ class CellSearch:
     @cached_property
     def pairs(self) -> Pairs:
         """Bodies that may not meet, as pairs (p, 2)."""
-        bodies = self.cell.bodies
-        found = [
-            (i, j)
-            for j in range(len(bodies))
-            for i in range(j)
-            if may_meet(bodies[i], bodies[j], self.grippers)
-            and frozenset((bodies[i].rigid.name, bodies[j].rigid.name)) not in self.apart
-        ]
+        bodies, apart = self.cell.bodies, self.apart
+        kinds = [(body.role, body.mover, body.tool) for body in bodies]
+        found = pairs_by_kind(kinds, lambda i, j: may_meet(bodies[i], bodies[j], self.grippers))
+        if apart:
+            found = [(i, j) for i, j in found if frozenset((bodies[i].rigid.name, bodies[j].rigid.name)) not in apart]
         return np.array(found, dtype=np.int64).reshape(-1, 2)
 
     @cached_property

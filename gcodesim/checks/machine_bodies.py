@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from gcodesim.arithmetic.matrices import inverse_pose, multiplied, norm
 from gcodesim.checks.meetings import MovingBodies
-from gcodesim.checks.pairs import keep_apart, role_of_part
+from gcodesim.checks.pairs import keep_apart, pairs_by_kind, role_of_part
 from gcodesim.checks.rigid import RigidBody
 from gcodesim.frames import WORLD, Array, Pose
 from gcodesim.kinematics.chain import BASE, FLANGE, Tree
@@ -98,17 +98,16 @@ class MachineBodies:
 
     def pairs(self) -> list[tuple[int, int]]:
         """Bodies that may not meet, and that move against each other."""
-        allowed = self._allowed()
-        return [
-            (i, j)
-            for j in range(len(self.bodies))
-            for i in range(j)
-            if may_meet_by_motion(self.bodies[i], self.bodies[j], self.tree)
-            and not (
-                self.bodies[i].role == self.bodies[j].role == "link"
-                and frozenset((self.bodies[i].carrier, self.bodies[j].carrier)) in allowed
-            )
-        ]
+        bodies, tree, allowed = self.bodies, self.tree, self._allowed()
+
+        def meets(i: int, j: int) -> bool:
+            one, other = bodies[i], bodies[j]
+            links = one.role == other.role == "link"
+            if links and frozenset((one.carrier, other.carrier)) in allowed:
+                return False
+            return may_meet_by_motion(one, other, tree)
+
+        return pairs_by_kind([(body.carrier, body.role, body.any_shape) for body in bodies], meets)
 
     def _allowed(self) -> frozenset[frozenset[int]]:
         """Joints whose links the cell lets meet; what is fixed to a link is one body with it."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from typing import Final
 
 from gcodesim.scene import Role
@@ -24,6 +24,27 @@ _APART: Final[frozenset[frozenset[Role]]] = frozenset(
         ("fixture", "stock"),
     )
 )
+
+
+def pairs_by_kind(kinds: Sequence[Hashable], meets: Callable[[int, int], bool]) -> list[tuple[int, int]]:
+    """All (i, j), i < j, for which `meets` holds, in the order of j and then of i.
+
+    It is asked once for each two kinds, so that thousands of fixtures, which all are of one kind, cost nothing among
+    each other.
+    """
+    members: dict[Hashable, list[int]] = {}
+    partners: dict[tuple[Hashable, Hashable], bool] = {}
+    pairs: list[tuple[int, int]] = []
+    for j, kind in enumerate(kinds):
+        before: list[int] = []
+        for other, those in members.items():
+            if (other, kind) not in partners:
+                partners[other, kind] = meets(those[0], j)
+            if partners[other, kind]:
+                before += those
+        pairs += [(i, j) for i in sorted(before)]
+        members.setdefault(kind, []).append(j)
+    return pairs
 
 
 def keep_apart(one: Role, other: Role) -> bool:

@@ -39,6 +39,12 @@ class Parser(argparse.ArgumentParser):
         print(f"{self.prog}: {one_line(message)} (`{self.prog} --help` shows more)", file=sys.stderr)
         sys.exit(USAGE)
 
+    def _print_message(self, message: str, file: Any = None) -> None:
+        """Write help or version; argparse's own takes no notice of what cannot be written."""
+        stream = sys.stderr if file is None else file
+        stream.write(message)
+        stream.flush()
+
     def _check_value(self, action: argparse.Action, value: Any) -> None:
         if action.choices is None or value in action.choices:
             return

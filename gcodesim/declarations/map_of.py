@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Container
 from typing import Any
 
 from gcodesim.declarations.kind import Json, Kind
@@ -43,7 +43,7 @@ class MapOf(Kind):
         for name, value in node.entries:
             if name.text.startswith(FREE):
                 continue
-            canonical = read_name(self.name, name, [(*path, known) for known in values], to)
+            canonical = read_name(self.name, name, path, values, to)
             if isinstance(canonical, Unread):
                 values[name.text] = UNREAD
                 continue
@@ -68,19 +68,18 @@ class MapOf(Kind):
         return "", {str(name): self.of.plain(entry)[1] for name, entry in value.items()}
 
 
-def read_name(name: NameRule, node: Scalar, taken: list[Path], to: Reading) -> Any:
-    """The canonical form of a key, or UNREAD when it is none or taken."""
+def read_name(name: NameRule, node: Scalar, path: Path, taken: Container[Any], to: Reading) -> Any:
+    """The canonical form of a key in the mapping at `path`, or UNREAD when it is none or taken."""
     canonical = name.canonical(node.text)
     if canonical is None:
         return to.fault("GS711", node.span, f"`{node.text}` is no {name.what}", suggestion(node.text, name.known))
-    for path in taken:
-        if path[-1] == canonical:
-            first: Span = to.key(path)
-            return to.fault(
-                "GS702",
-                node.span,
-                f"`{node.text}` is {canonical}, which stands a second time",
-                f"the first is in line {first.line}",
-                related=first,
-            )
+    if canonical in taken:
+        first: Span = to.key((*path, canonical))
+        return to.fault(
+            "GS702",
+            node.span,
+            f"`{node.text}` is {canonical}, which stands a second time",
+            f"the first is in line {first.line}",
+            related=first,
+        )
     return canonical

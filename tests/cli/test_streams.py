@@ -43,6 +43,13 @@ def test_a_full_standard_output_is_told(cli, tmp_path: Path, command: tuple[str,
     assert "Traceback" not in done.stderr and "Exception" not in done.stderr
 
 
+@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="there is no /dev/full here")
+@pytest.mark.parametrize("command", [("--help",), ("--version",), ("run", "--help")], ids=" ".join)
+def test_help_that_cannot_be_written_is_told(tmp_path: Path, command: tuple[str, ...]) -> None:
+    done = _gcodesim(*command, cwd=tmp_path, redirected="> /dev/full")
+    assert (done.returncode, done.stderr) == (2, f"gcodesim: the output: {os.strerror(errno.ENOSPC)}\n")
+
+
 def test_a_closed_standard_output_is_told_before_anything_is_done(cli, tmp_path: Path) -> None:
     done = _gcodesim("run", "slot.nc", "--cell", "cell.yaml", cwd=tmp_path, redirected=">&-")
     assert (done.returncode, done.stderr.count("\n")) == (2, 1)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from gcodesim.checks.clearance import standing_bodies
 from gcodesim.checks.collisions import ToolParts
-from gcodesim.checks.pairs import may_not_meet, role_of_part
+from gcodesim.checks.pairs import may_not_meet, pairs_by_kind, role_of_part
 from gcodesim.frames import WORLD, Pose
 from gcodesim.scene import Body, Scene, Stand
 from gcodesim.solids import Box, Placed
@@ -52,3 +52,18 @@ def test_bodies_are_gathered_by_what_they_stand_on() -> None:
     assert abs(still.bodies[0].hulls[0].corners.min()) < 1e-12  # seen from the base, where it stands
     assert [body.name for body in carried.bodies] == ["jaw"]
     assert carried.carrier is not None
+
+
+def test_pairs_are_asked_for_once_for_two_kinds() -> None:
+    """20,000 fixtures on one table are of one kind: whether they may meet is not asked 200 million times."""
+    kinds = ["link", *["fixture"] * 20_000, "link"]
+    asked: list[tuple[int, int]] = []
+
+    def meets(i: int, j: int) -> bool:
+        asked.append((i, j))
+        return kinds[i] != kinds[j]
+
+    pairs = pairs_by_kind(kinds, meets)
+
+    assert len(asked) == 4
+    assert pairs == [(0, j) for j in range(1, 20_001)] + [(i, 20_001) for i in range(1, 20_001)]
