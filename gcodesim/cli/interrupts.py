@@ -21,32 +21,42 @@ class Interrupted(KeyboardInterrupt):
         self.number = number
 
 
+class Heard:
+    """The last signal that was handled inside a context; 0 before one arrives."""
+
+    number = 0
+
+
 def interrupted_by(number: int) -> int:
     """The exit status: 130 for SIGINT, 143 for SIGTERM, 129 for SIGHUP."""
     return 128 + int(number)
 
 
 @contextmanager
-def handled(handler: Callable[[int, FrameType | None], None] | None = None) -> Iterator[None]:
-    """Call `handler` for the signals inside this context (default: raise `Interrupted`).
+def handled(handler: Callable[[int, FrameType | None], None] | None = None) -> Iterator[Heard]:
+    """Call `handler` for the signals inside this context (default: raise `Interrupted`, and keep which one it was).
+
+    What an exception becomes on its way out is up to those whom it passes: a run that ends in order tells of that.
 
     A signal that is ignored stays so, as under `nohup`. Only the main thread may handle signals; in another one
     nothing changes.
     """
+    heard = Heard()
+
+    def end(number: int, _frame: FrameType | None) -> None:
+        heard.number = number
+        raise Interrupted(number)
+
     if threading.current_thread() is not threading.main_thread():
-        yield
+        yield heard
         return
     before = {}
     try:
         for number in SIGNALS:
             known = signal.getsignal(number)
             if known is not None and known != signal.SIG_IGN:  # None: a handler that was not installed from Python
-                before[number] = signal.signal(number, handler or _raise)
-        yield
+                before[number] = signal.signal(number, handler or end)
+        yield heard
     finally:
         for number, known in before.items():
             signal.signal(number, known)
-
-
-def _raise(number: int, _frame: FrameType | None) -> None:
-    raise Interrupted(number)

@@ -13,7 +13,7 @@ from contextlib import contextmanager
 from typing import Final
 
 from gcodesim.cli.exits import INTERNAL, INTERRUPTED, OK, USAGE, UsageError
-from gcodesim.cli.interrupts import Interrupted, handled, interrupted_by
+from gcodesim.cli.interrupts import Heard, Interrupted, handled, interrupted_by
 from gcodesim.cli.overwriting import refuse_files_like_options, refuse_own_inputs
 from gcodesim.cli.parser import parser_for
 from gcodesim.cli.streams import drop_output
@@ -55,8 +55,9 @@ def _plain_streams() -> Iterator[None]:
 
 def _run(argv: Sequence[str] | None) -> int:
     arguments: Namespace | None = None
+    heard = Heard()
     try:
-        with handled():
+        with handled() as heard:
             take_back()
             words = sys.argv[1:] if argv is None else argv
             refuse_files_like_options(words)
@@ -69,7 +70,8 @@ def _run(argv: Sequence[str] | None) -> int:
         return _refused(str(error))
     except KeyboardInterrupt as error:
         print("gcodesim: interrupted", file=sys.stderr)
-        return interrupted_by(error.number) if isinstance(error, Interrupted) else INTERRUPTED
+        number = error.number if isinstance(error, Interrupted) else heard.number
+        return interrupted_by(number) if number else INTERRUPTED
     except BrokenPipeError:
         # the reader of our output has gone away (`| head`); nothing more can be written, but the verdict stays
         drop_output()

@@ -134,6 +134,17 @@ def test_sigterm_ends_other_commands_without_a_trace(cli, monkeypatch: pytest.Mo
     assert (done.status, done.out, done.err) == (143, "", "gcodesim: interrupted\n")
 
 
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_in_a_run_of_test_and_accept_has_its_own_status(
+    cli, monkeypatch: pytest.MonkeyPatch, number: signal.Signals
+) -> None:
+    """The run ends in order, and what it tells of that says nothing of the signal."""
+    monkeypatch.setattr(loop, "_move", lambda *_: signal.raise_signal(number))
+    for command in ("accept", "test"):
+        done = cli(command, "slot.nc", "--cell", "cell.yaml")
+        assert (done.status, done.err) == (128 + number, "gcodesim: interrupted\n")
+
+
 _WHILE_LOADING = """
 import os, runpy, signal, sys
 
