@@ -30,6 +30,7 @@ DEFAULT_PERIOD_NS: Final = 20_000_000
 LOG_SAMPLES: Final = 30_000
 """Records of a log whose period is not set: 10 min at 20 ms. A longer run has as many, further apart."""
 _SHORTEST_STEP_NS: Final = 1_000
+_LONGEST_STEP_NS: Final = 2.0**62  # longer ones are infinite, for all that counts here
 _LONGEST_PERIOD: Final = 10.0  # s
 
 
@@ -260,7 +261,7 @@ def with_step(simulation: Simulation, log: LogSettings, to: Reading) -> tuple[Si
             "write for example `period: 20 ms`",
         )
         return simulation, log
-    step_ns = round(NS / rate)
+    step_ns = round(min(NS / rate, _LONGEST_STEP_NS))
     whole = step_ns >= 1 and abs(step_ns * rate / NS - 1.0) < 1e-12
     if not whole or period_ns % step_ns:
         span = to.span(("simulation", "rate")) if ("simulation", "rate") in to.spans else span

@@ -299,6 +299,13 @@ def test_a_rate_that_does_not_names_the_nearest() -> None:
     assert "`200 Hz`" in found[0].hint and "`250 Hz`" in found[0].hint
 
 
+@pytest.mark.parametrize("rate", ["1e-320", "1e-300", "1e308", "3e12"])
+def test_a_rate_beyond_all_measure_is_a_finding(rate: str) -> None:
+    found = list(loaded(f"machine: gantry_xyz\nsimulation: {{rate: {rate} Hz}}").findings)
+
+    assert [f.code for f in found] == ["GS721"]
+
+
 def test_files_may_lie_in_allowed_folders_only(tmp_path: Path) -> None:
     inside, outside = tmp_path / "cell", tmp_path / "meshes"
     inside.mkdir()
