@@ -15,18 +15,24 @@ _STL_HEADER: Final = 84
 _STL_FACET: Final = 50
 _NUMBER = rb"([-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?)"
 _STL_VERTEX = re.compile(rb"\bvertex\s+" + _NUMBER + rb"\s+" + _NUMBER + rb"\s+" + _NUMBER)
+_STL_VERTICES = re.compile(rb"\bvertex\b")
 _OBJ_VERTEX = re.compile(rb"^v\s+" + _NUMBER + rb"\s+" + _NUMBER + rb"\s+" + _NUMBER, re.MULTILINE)
+_OBJ_VERTICES = re.compile(rb"^v\s", re.MULTILINE)
+_OBJ_FACE = re.compile(rb"^f((?:[ \t]+[0-9]{1,9}(?:/[0-9]*){0,2}){3,})[ \t]*\r?$", re.MULTILINE)
+_OBJ_FACES = re.compile(rb"^f\s", re.MULTILINE)
+_OBJ_CORNER = re.compile(rb"[ \t]([0-9]+)")
+
+Corners = np.ndarray[tuple[int, ...], np.dtype[np.float64]]
+_READ_IT: Final = np.zeros((0, 3))
+"""The file is not as most programs write it: whether it is sound is for the mesh library to say."""
 
 
 def bounds(path: Path, raw: bytes) -> tuple[Point, Point] | str:
     """Least and greatest corner, in units of the file, of the mesh at `path` with content `raw`; a text says why there
     are none."""
     suffix = path.suffix.lower()
-    if suffix == ".stl":
-        points = _stl(raw)
-    elif suffix == ".obj":
-        points = _ascii(_OBJ_VERTEX, raw)
-    else:
+    points = _stl(raw) if suffix == ".stl" else _obj(raw) if suffix == ".obj" else _READ_IT
+    if points is _READ_IT:
         from gcodesim.solids import read_mesh
 
         try:
@@ -43,12 +49,22 @@ def bounds(path: Path, raw: bytes) -> tuple[Point, Point] | str:
     return (float(low[0]), float(low[1]), float(low[2])), (float(high[0]), float(high[1]), float(high[2]))
 
 
-def _stl(raw: bytes) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]] | None:
+def _obj(raw: bytes) -> Corners:
+    """Corners (n, 3) of an OBJ, if all is as most programs write it and no face has a corner that is not there."""
+    points, faces = _ascii(_OBJ_VERTEX, raw), _OBJ_FACE.findall(raw)
+    if not faces or len(points) != len(_OBJ_VERTICES.findall(raw)) or len(faces) != len(_OBJ_FACES.findall(raw)):
+        return _READ_IT
+    corners = [int(corner) for face in faces for corner in _OBJ_CORNER.findall(face)]
+    return points if min(corners) >= 1 and max(corners) <= len(points) else _READ_IT
+
+
+def _stl(raw: bytes) -> Corners | None:
     """Corners (n, 3) of a binary or ASCII STL; None if a binary one is shorter than it claims."""
     count = int.from_bytes(raw[80:_STL_HEADER], "little") if len(raw) >= _STL_HEADER else 0
     size = _STL_HEADER + _STL_FACET * count
     if raw.lstrip()[:5].lower() == b"solid" and b"facet" in raw[:4096] and len(raw) != size:
-        return _ascii(_STL_VERTEX, raw)
+        points = _ascii(_STL_VERTEX, raw)
+        return points if len(points) == len(_STL_VERTICES.findall(raw)) and len(points) % 3 == 0 else _READ_IT
     if len(raw) < size or len(raw) < _STL_HEADER:
         return None
     facets = np.frombuffer(
@@ -57,5 +73,5 @@ def _stl(raw: bytes) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]] | None
     return facets["corners"].reshape(-1, 3).astype(np.float64)
 
 
-def _ascii(pattern: re.Pattern[bytes], raw: bytes) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
+def _ascii(pattern: re.Pattern[bytes], raw: bytes) -> Corners:
     return np.array(pattern.findall(raw), dtype=np.float64).reshape(-1, 3)

@@ -65,4 +65,8 @@ def read_mesh(path: Path, scale: float = 1.0) -> tuple[Array, Faces]:
     faces = np.ascontiguousarray(mesh.faces, dtype=np.int32)
     if len(faces) == 0:
         raise MeshError(f"{path.name} holds no triangles")
+    if faces.min() < 0 or faces.max() >= len(vertices):
+        raise MeshError(f"{path.name}: a triangle names a corner that is not there")
+    if not np.isfinite(vertices).all():
+        raise MeshError(f"{path.name}: a corner is not a finite number")
     return vertices, faces
