@@ -134,7 +134,7 @@ def test_sigterm_ends_other_commands_without_a_trace(cli, monkeypatch: pytest.Mo
     assert (done.status, done.out, done.err) == (143, "", "gcodesim: interrupted\n")
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
 def test_a_signal_in_a_run_of_test_and_accept_has_its_own_status(
     cli, monkeypatch: pytest.MonkeyPatch, number: signal.Signals
 ) -> None:
