@@ -16,6 +16,7 @@ NAMES = (
     "printing",
     "reference",
     "suite",
+    "scale",
     "neighbour",
 )
 

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import os
 import signal
-from collections.abc import Callable, Generator, Iterator, Sequence
-from contextlib import contextmanager
-from multiprocessing import get_context, resource_tracker
+from collections.abc import Callable, Generator, Sequence
+from multiprocessing import get_context
 from multiprocessing.connection import Connection
-from threading import Thread, current_thread, main_thread
+from threading import Thread
 from typing import TYPE_CHECKING, TypeVar
 
 from gcodesim.regress.case import Case
+from gcodesim.scale.interrupts import interrupts_wait
 
 if TYPE_CHECKING:
     from gcodesim.regress.outcome import Judging
@@ -41,7 +41,7 @@ def in_parallel(
     watched, held = context.Pipe(duplex=False)
     pool = ProcessPoolExecutor(min(jobs, len(cases)), mp_context=context, initializer=_tie, initargs=(watched,))
     try:
-        with _interrupts_wait():
+        with interrupts_wait():
             futures = [pool.submit(work, case, how) for case in cases]
         for future in futures:
             yield future.result()
@@ -54,29 +54,6 @@ def in_parallel(
         pool.shutdown(wait=True, cancel_futures=True)
         held.close()
         watched.close()
-
-
-@contextmanager
-def _interrupts_wait() -> Iterator[None]:
-    """Processes that are started meanwhile take no interrupt from their first moment on; ours is handled afterwards.
-
-    Otherwise a worker that is still importing would answer a Ctrl-C with a traceback, and so would one that is cut off
-    while loading. Masks are inherited, handlers are not, and another thread of ours may have no mask.
-    """
-    if not hasattr(signal, "pthread_sigmask") or current_thread() is not main_thread():
-        yield
-        return
-    resource_tracker.ensure_running()  # it lets interrupts through again when it starts
-    came: list[int] = []
-    handler = signal.signal(signal.SIGINT, lambda number, _: came.append(number))
-    mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-    try:
-        yield
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, mask)
-        signal.signal(signal.SIGINT, signal.SIG_DFL if handler is None else handler)
-        if came:
-            signal.raise_signal(signal.SIGINT)
 
 
 def _tie(watched: Connection) -> None:

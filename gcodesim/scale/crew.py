@@ -11,7 +11,7 @@ import logging
 import time
 import warnings
 from collections.abc import Callable, Generator, Iterable, Iterator, Mapping
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -21,6 +21,7 @@ from gcodesim.numbers import read_json
 from gcodesim.scale.abilities import abilities, misfits
 from gcodesim.scale.bundle import Bundle
 from gcodesim.scale.hands import Ended, Task, ended
+from gcodesim.scale.interrupts import interrupts_wait
 from gcodesim.scale.worker import UNFIT, Work, carried, hello, work
 
 if TYPE_CHECKING:
@@ -31,6 +32,7 @@ _LEAST_AHEAD: Final = 16
 _PARCELS: Final = 8  # of which none of the tasks under way needs one
 _LOOK_AGAIN_S: Final = 2.0  # at who has joined
 _WAIT_FOR_WORKERS_S: Final = 30.0
+_WAIT_FOR_SCHEDULER_S: Final = 10.0
 
 
 class NoWorkersError(Exception):
@@ -60,21 +62,23 @@ def local_crew(jobs: int, tell: Callable[[str], None] = print) -> Iterator[Crew]
     _be_quiet()
     secret = Security.temporary()
     settings = {"distributed.scheduler.worker-saturation": float(_AHEAD), "distributed.admin.log-length": 0}
-    with (
-        dask.config.set(settings),
-        LocalCluster(
-            n_workers=jobs,
-            threads_per_worker=1,
-            processes=True,
-            host="127.0.0.1",
-            protocol="tls://",
-            security=secret,
-            dashboard_address=None,
-            worker_dashboard_address=None,
-            silence_logs=logging.CRITICAL,
-        ) as cluster,
-        Client(cluster, security=secret, set_as_default=False) as client,
-    ):
+    with ExitStack() as stack:
+        stack.enter_context(dask.config.set(settings))
+        with interrupts_wait():  # threads and processes that begin here leave a Ctrl-C to us, also those begun later
+            cluster = stack.enter_context(
+                LocalCluster(
+                    n_workers=jobs,
+                    threads_per_worker=1,
+                    processes=True,
+                    host="127.0.0.1",
+                    protocol="tls://",
+                    security=secret,
+                    dashboard_address=None,
+                    worker_dashboard_address=None,
+                    silence_logs=logging.CRITICAL,
+                )
+            )
+            client = stack.enter_context(Client(cluster, security=secret, set_as_default=False))
         yield Crew(client, tell)
 
 
@@ -94,7 +98,7 @@ def crew_at(address: str, keys: Keys | None = None, tell: Callable[[str], None] 
             require_encryption=True,
         )
     try:
-        client = Client(address, security=secret, set_as_default=False, timeout=_WAIT_FOR_WORKERS_S)
+        client = Client(address, security=secret, set_as_default=False, timeout=_WAIT_FOR_SCHEDULER_S)
     except (OSError, ValueError, TypeError, RuntimeError) as error:
         raise NoWorkersError(f"the scheduler at {address} cannot be reached: {error}") from None
     try:

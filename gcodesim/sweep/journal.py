@@ -91,10 +91,10 @@ class Journal:
             return
         line = json.dumps({"key": key, "row": row}, ensure_ascii=False, allow_nan=False).encode() + b"\n"
         at = self._file.seek(0, os.SEEK_END)
+        self._places[key] = (at, len(line))  # first, so that an interrupt on the way leaves no row that is not known
         self._file.write(line)
         self._file.flush()
         os.fsync(self._file.fileno())
-        self._places[key] = (at, len(line))
 
     def forget(self, key: str) -> None:
         """From now on the run counts as not done, until it is added again."""

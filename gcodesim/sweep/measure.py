@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Mapping
+from functools import lru_cache
 from typing import Final
 
 from gcodesim.frozen import frozen
@@ -15,7 +16,10 @@ Figures = Mapping[str, float | str | None]
 
 @frozen(kw_only=False)
 class Measure:
-    """One figure: `pattern` finds it among the paths, `of` joins what is found, `unit` as shown, of `dimension`."""
+    """One figure: `pattern` finds it among the paths, `of` joins what is found, `unit` as shown, of `dimension`.
+
+    `at_end`: of several set-ups the last one counts, because the stock is handed on.
+    """
 
     name: str
     dimension: str
@@ -23,6 +27,7 @@ class Measure:
     pattern: str
     of: Callable[[Iterable[float]], float]
     says: str
+    at_end: bool = False
 
     @property
     def heading(self) -> str:
@@ -32,14 +37,23 @@ class Measure:
 
     def value(self, figures: Figures) -> float | None:
         """The figure in its unit; None where a run has none."""
-        found = [
-            float(value)
+        found = {
+            path: float(value)
             for path, value in figures.items()
             if isinstance(value, (int, float)) and _fits(self.pattern, path)
-        ]
-        return rounded(self.of(found)) if found else None
+        }
+        if self.at_end and found:
+            last = _setup_of(list(found)[-1])
+            found = {path: value for path, value in found.items() if _setup_of(path) == last}
+        return rounded(self.of(found.values())) if found else None
 
 
+def _setup_of(path: str) -> str:
+    """The set-up whose figure has this path; empty without set-ups."""
+    return path.split(".", 2)[1] if path.startswith("setups.") else ""
+
+
+@lru_cache(maxsize=1 << 16)  # the runs of a study have the same paths
 def _fits(pattern: str, path: str) -> bool:
     return re.fullmatch(rf"(?:setups\.[^.]+\.)?(?:{pattern})", path) is not None
 
@@ -55,7 +69,7 @@ MEASURES: Final[dict[str, Measure]] = {
         Measure("rapid_distance", "length", "mm", r"distance\.rapid_mm", sum, "way of rapids"),
         Measure("removed", "volume", "mm^3", r"stocks\..+\.removed_mm3", sum, "what was cut away"),
         Measure("deposited", "volume", "mm^3", r"stocks\..+\.deposited_mm3", sum, "what was added"),
-        Measure("remaining", "volume", "mm^3", r"stocks\..+\.remaining_mm3", sum, "what is left of all stocks"),
+        Measure("remaining", "volume", "mm^3", r"stocks\..+\.remaining_mm3", sum, "what is left of all stocks", True),
         Measure(
             "force", "force", "N", r"tools\..+\.max_force_N", max, "greatest force on a tool, mean of a revolution"
         ),

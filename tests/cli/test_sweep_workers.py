@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 import random
+import signal
 import subprocess
 import sys
 import time
@@ -18,14 +20,14 @@ __all__ = ["cluster"]
 STUDY = """program: slot.nc
 cell: cell.yaml
 vary:
-  feed: {parameter: feed, from: 200, to: 400, steps: 12}
+  feed: {parameter: feed, from: 200, to: 400, steps: 8}
   depth: {parameter: depth, values: [1]}
 """
 
 
 @pytest.fixture
 def study(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A folder with a study of twelve runs."""
+    """A folder with a study of eight runs."""
     folder = tmp_path / "study"
     folder.mkdir()
     for name, text in (("slot.nc", PROGRAM), ("cell.yaml", CELL), ("study.yaml", STUDY)):
@@ -34,9 +36,9 @@ def study(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return folder
 
 
-def client(*words: str) -> subprocess.Popen[bytes]:
+def client(*words: str, alone: bool = False) -> subprocess.Popen[bytes]:
     command = [sys.executable, "-m", "gcodesim", "sweep", "study.yaml", "--out", "out", *words]
-    return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+    return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, start_new_session=alone)
 
 
 def rows_kept(folder: Path) -> int:
@@ -57,21 +59,21 @@ def as_if_alone(folder: Path) -> bool:
         for name in ("runs.csv", "runs.parquet", "sweep.json")
     )
     runs = [sorted((folder / out / "runs.jsonl").read_bytes().splitlines()) for out in ("out", "alone")]
-    return tables and runs[0] == runs[1] and len(runs[0]) == 13
+    return tables and runs[0] == runs[1] and len(runs[0]) == 9
 
 
 def test_two_schedulers_die_and_a_third_process_finishes(study: Path, cluster):
     first = cluster(workers=2)
     process = client("--scheduler", first.address)
-    wait_for(study, 2, process)
+    wait_for(study, 1, process)
     kill(first.workers[0])
-    wait_for(study, 4, process)
+    wait_for(study, 3, process)
     kill(first.scheduler)
     said = process.communicate()[0].decode()
     assert process.returncode == 2, said
     assert "the scheduler is gone" in said and "`--resume` goes on" in said
     kept = rows_kept(study)
-    assert 4 <= kept < 12
+    assert 3 <= kept < 8
 
     second = cluster(workers=1)
     process = client("--scheduler", second.address, "--resume")
@@ -80,6 +82,18 @@ def test_two_schedulers_die_and_a_third_process_finishes(study: Path, cluster):
     assert main(["sweep", "study.yaml", "--out", "out", "--resume", "--scheduler", second.address]) == 0
 
     assert as_if_alone(study)
+
+
+def test_ctrl_c_keeps_what_is_done_and_leaves_no_process(study: Path):
+    process = client("-j", "2", alone=True)
+    wait_for(study, 1, process)
+    os.killpg(process.pid, signal.SIGINT)  # as a terminal does: to all processes of the command
+
+    said = process.communicate(timeout=60)[0].decode()
+
+    assert process.returncode == 130
+    assert "Traceback" not in said and "`--resume` goes on" in said
+    assert (study / "out" / "runs.csv").read_text().count("\n") == rows_kept(study) + 1
 
 
 @pytest.mark.slow

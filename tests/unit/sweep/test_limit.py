@@ -41,6 +41,17 @@ def test_figures_join_tools_stocks_and_set_ups():
     assert figure("power", FIGURES) is figure("tools.9.x", FIGURES) is None
 
 
+def test_what_is_left_is_left_by_the_last_set_up():
+    names = (
+        "setups.top.stocks.a.remaining_mm3",
+        "setups.end.stocks.a.remaining_mm3",
+        "setups.end.stocks.b.remaining_mm3",
+    )
+    figures = dict(zip(names, (9.0, 5.0, 2.0), strict=True))
+
+    assert figure("remaining", figures) == 7.0
+
+
 @pytest.mark.parametrize(
     ("text", "broken"),
     [
