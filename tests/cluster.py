@@ -23,12 +23,13 @@ class Cluster:
     folder: Path
     address: str = ""
     scheduler: subprocess.Popen[bytes] | None = None
+    words: list[str] = field(default_factory=list)
     workers: list[subprocess.Popen[bytes]] = field(default_factory=list)
 
     def start(self, workers: int = 0) -> None:
         file = self.folder / "scheduler.json"
         command = ["distributed.cli.dask_scheduler", "--host", "127.0.0.1", "--port", "0", "--no-dashboard"]
-        self.scheduler = self._process(*command, "--scheduler-file", str(file))
+        self.scheduler = self._process(*command, *self.words, "--scheduler-file", str(file))
         until = time.monotonic() + _LATEST_S
         while not self.address:
             assert time.monotonic() < until and self.scheduler.poll() is None, "the scheduler did not start"
@@ -44,6 +45,7 @@ class Cluster:
         own.mkdir()
         (own / "sitecustomize.py").write_text(before)
         command = ["distributed.cli.dask_worker", self.address, "--nthreads", "1", "--no-nanny", "--no-dashboard"]
+        command += self.words
         path = os.pathsep.join([str(own), os.environ.get("PYTHONPATH", "")])
         worker = self._process(*command, "--local-directory", str(own), env={**os.environ, "PYTHONPATH": path})
         self.workers.append(worker)
@@ -75,10 +77,10 @@ def cluster(tmp_path: Path):
     """Makes clusters."""
     made: list[Cluster] = []
 
-    def make(workers: int = 0) -> Cluster:
+    def make(workers: int = 0, words: list[str] | None = None) -> Cluster:
         folder = tmp_path / f"cluster-{len(made)}"
         folder.mkdir()
-        one = Cluster(folder=folder)
+        one = Cluster(folder=folder, words=words or [])
         made.append(one)
         one.start(workers)
         return one

@@ -135,7 +135,7 @@ def _sweep(ready: Prepared, journal: Journal, arguments: argparse.Namespace) -> 
                 work(points(ready.study), keep=arguments.keep_logs)
             chosen = _Chosen(ready=ready, journal=journal, tried=tried if found is not None else None)
             if arguments.replay:
-                work([row.point for row in _extremes(chosen)], keep=True)
+                work([row.point for row in _extremes(chosen, found)], keep=True)
     except (KeyboardInterrupt, UsageError):
         chosen = _Chosen(ready=ready, journal=journal, tried=tried if arguments.find else None)
         _write(ready, chosen, arguments)
@@ -179,7 +179,7 @@ def _judged(ready: Prepared, chosen: _Chosen, arguments: argparse.Namespace, tal
     """Write tables, page and summary, print them; the exit status."""
     _write(ready, chosen, arguments)
     summary = Summary.of(ready, chosen.rows(), arguments.fail_on)
-    _write_page(chosen, summary.count, arguments)
+    _write_page(chosen, summary.count, found, arguments)
     said = summary_as_json(ready, summary, summary.count if found is not None else tally.total)
     if found is not None:
         said["best"] = found.best
@@ -202,21 +202,22 @@ def _judged(ready: Prepared, chosen: _Chosen, arguments: argparse.Namespace, tal
     return int(arguments.status)
 
 
-def _extremes(chosen: _Chosen) -> list[Row]:
-    """The runs in which the figure of the page is least and greatest."""
+def _extremes(chosen: _Chosen, found: Found | None) -> list[Row]:
+    """The runs in which the figure of the page is least and greatest, and the best one of a search."""
     aim = aim_of(chosen.ready, chosen.rows())
     known = [row for row in chosen.rows() if row.status != "failed" and figure(aim, row.figures) is not None]
     if not known:
         return []
     least, most = (of(known, key=lambda row: figure(aim, row.figures) or 0.0) for of in (min, max))
-    return [least] if least is most else [least, most]
+    best = [row for row in known if found is not None and row.number == found.best]
+    return list({row.number: row for row in (least, most, *best)}.values())
 
 
-def _write_page(chosen: _Chosen, count: int, arguments: argparse.Namespace) -> None:
+def _write_page(chosen: _Chosen, count: int, found: Found | None, arguments: argparse.Namespace) -> None:
     """The page, and with --replay the pages of the runs that it links to."""
     ready, out = chosen.ready, arguments.out
     if arguments.replay:
-        for row in _extremes(chosen):
+        for row in _extremes(chosen, found):
             _write_replay(folder_of(out, row.key), f"run {row.number}: {row.title()}")
     links = {
         row.number: (folder_of(Path(), row.key) / REPLAY).as_posix()
@@ -225,7 +226,8 @@ def _write_page(chosen: _Chosen, count: int, arguments: argparse.Namespace) -> N
     }
     made = (cells(ready, row, arguments.fail_on) for row in chosen.rows())
     aim = aim_of(ready, chosen.rows())
-    write_whole(out / SWEEP_PAGE, write_page(ready, headings(ready), made, links, column_of(aim), count).encode())
+    best = None if found is None else found.best
+    write_whole(out / SWEEP_PAGE, write_page(ready, headings(ready), made, links, column_of(aim), count, best).encode())
 
 
 def _write_replay(folder: Path, title: str) -> None:
@@ -241,7 +243,7 @@ def _print_best(chosen: _Chosen, found: Found) -> None:
     if found.best is None:
         print("  no run is within all limits")
         return
-    row = next(islice(chosen.rows(), found.best, None))
+    row = next(row for row in chosen.rows() if row.number == found.best)
     print(f"  best: run {row.number} ({row.title()})")
 
 

@@ -31,7 +31,10 @@ _AHEAD: Final = 3  # tasks a thread of a worker has waiting, so that it is never
 _LEAST_AHEAD: Final = 16
 _PARCELS: Final = 8  # of which none of the tasks under way needs one
 _LOOK_AGAIN_S: Final = 2.0  # at who has joined
+_LOOK_S: Final = 0.5  # between two looks at whether all is well, while nothing ends
 _WAIT_FOR_WORKERS_S: Final = 30.0
+ABANDONED_S: float = 60.0
+"""How long tasks wait for a worker after all have left."""
 _WAIT_FOR_SCHEDULER_S: Final = 10.0
 
 
@@ -118,6 +121,7 @@ class Crew:
         self._refused: set[str] = set()
         self._parcels: dict[str, Future[bytes]] = {}
         self._looked = 0.0
+        self._seen = time.monotonic()  # when there was somebody to work
         self._meet(wait=True)
 
     @property
@@ -140,7 +144,7 @@ class Crew:
                     done.add(future)
                 if not under_way:
                     return
-                for future, reply in done.next_batch():
+                for future, reply in self._next(done):
                     task, _ = under_way.pop(future.key)
                     end = self._ended(what, task, future, reply)
                     if end is None:  # somebody else does it
@@ -154,6 +158,18 @@ class Crew:
             if futures and self._client.status == "running":
                 with suppress(Exception):  # whatever keeps it from hearing that nobody wants them any more
                     self._client.cancel(futures, force=True)
+
+    def _next(self, done: Any) -> list[tuple[Any, Any]]:
+        """What has ended since; waits for something. NoWorkersError when nobody has been there for a while."""
+        while not done.has_ready():
+            with done.thread_condition:
+                if not done.has_ready():
+                    done.thread_condition.wait(timeout=_LOOK_S)
+            self._meet()
+            if time.monotonic() - self._seen > ABANDONED_S:
+                raise NoWorkersError(f"no worker has been there for {ABANDONED_S:.0f} s")
+        batch: list[tuple[Any, Any]] = done.next_batch()
+        return batch
 
     def _submit(self, what: Work, task: Task, again: bool = False) -> Future[bytes]:
         self._check_that_somebody_may()
@@ -210,6 +226,8 @@ class Crew:
                 break
             time.sleep(0.1)
         self._looked = time.monotonic()
+        if self._threads:
+            self._seen = self._looked
         if wait:
             self._check_that_somebody_may()
 

@@ -28,8 +28,11 @@ def write_page(
     links: Mapping[int, str],
     aim: str,
     count: int,
+    best: int | None = None,
 ) -> str:
     """The page of `count` rows; `links` lead to the pages of runs, by number, `aim` is the column shown first.
+
+    `best` is the run that a search found.
 
     The same rows give the same text.
     """
@@ -41,6 +44,7 @@ def write_page(
         "aim": aim,
         "columns": [{"name": head.name, "kind": head.kind, "role": head.role} for head in columns],
         "apart": apart,
+        "best": best,
         "rows": [[row[place] for place in places] for row in islice(rows, 0, None, apart)],
         "links": {str(number): link for number, link in links.items()},
         "limits": [limit.text for limit in ready.study.fail],

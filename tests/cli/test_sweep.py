@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import base64
 import csv
 import json
+import re
+import zlib
 from pathlib import Path
 
 import jsonschema
@@ -136,6 +139,18 @@ def test_a_search_finds_the_best_within_limits_and_is_the_same_again(cli, write,
     before = (tmp_path / "out" / "runs.csv").read_bytes()
     assert json.loads(cli("sweep", "study.yaml", "-j", "1", "--find", "--out", "out", "--format", "json").out) == value
     assert (tmp_path / "out" / "runs.csv").read_bytes() == before
+
+
+def test_the_page_leads_to_replays_of_the_best_and_the_worst(cli, tmp_path: Path):
+    assert cli("sweep", "study.yaml", "-j", "1", "--out", "out", "--replay", "--fail-on", "never").status == 0
+
+    reports = sorted(path.relative_to(tmp_path / "out").as_posix() for path in (tmp_path / "out").rglob("report.html"))
+    page = (tmp_path / "out" / "sweep.html").read_text()
+    index = re.search(r'id="index">(.*?)<', page)
+    assert index is not None
+    content = json.loads(zlib.decompress(base64.b64decode(index[1])))
+    assert len(reports) == 2 and sorted(content["links"].values()) == reports
+    assert len(content["rows"]) == 4
 
 
 def test_junit_has_a_case_a_run(cli, tmp_path: Path):

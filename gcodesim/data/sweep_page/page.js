@@ -110,6 +110,12 @@ const head = (list) => {
       box.append(figure);
     }
   }
+  const best = P.data.rows.find((row) => row[0] === P.data.best);
+  if (best) {
+    const figure = element("span", "best: ");
+    figure.append(linked(best));
+    box.append(figure);
+  }
   if (P.data.apart > 1) box.append(element("span", `one run in ${P.data.apart} is in this page, all are in the tables`));
   for (const limit of P.data.limits) box.append(element("span", `fails if ${limit}`));
   box.append(element("span", "gcodesim sweep", { class: "brand" }));

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import time
 import tracemalloc
+from pathlib import Path
 
 import pytest
 
-from gcodesim.scale.crew import NoWorkersError, SchedulerLostError, crew_at, local_crew
+from gcodesim.scale.crew import Keys, NoWorkersError, SchedulerLostError, crew_at, local_crew
 from gcodesim.scale.hands import Alone, Task
 from gcodesim.scale.worker import stand_in
 from tests.cluster import cluster, kill
@@ -70,6 +71,37 @@ def test_a_killed_worker_costs_no_task_and_a_killed_scheduler_is_told(cluster):
         kill(one.scheduler)
         with pytest.raises(SchedulerLostError):
             list(ends)
+
+
+def test_when_all_workers_have_left_nobody_waits_for_ever(cluster, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr("gcodesim.scale.crew.ABANDONED_S", 1.0)
+    one = cluster(workers=1)
+    with crew_at(one.address) as crew:
+        ends = crew.do(stand_in, tasks(1000, 0.06))
+        next(ends)
+        kill(one.workers[0])
+        with pytest.raises(NoWorkersError, match="no worker"):
+            list(ends)
+
+
+def test_tls_keeps_strangers_out(cluster, tmp_path: Path):
+    from distributed import Security
+
+    secret = Security.temporary()
+    files = {"ca-file": secret.tls_ca_file, "cert": secret.tls_client_cert, "key": secret.tls_client_key}
+    words = ["--protocol", "tls"]
+    for name, text in files.items():
+        (tmp_path / f"{name}.pem").write_text(text)
+        words += [f"--tls-{name}", str(tmp_path / f"{name}.pem")]
+    one = cluster(workers=1, words=words)
+    authority, certificate, key = (tmp_path / f"{name}.pem" for name in files)
+    keys = Keys(authority=authority, certificate=certificate, key=key)
+
+    assert one.address.startswith("tls://")
+    with crew_at(one.address, keys) as crew:
+        assert numbers(crew.do(stand_in, tasks(5))) == list(range(5))
+    with pytest.raises(NoWorkersError, match="cannot be reached"), crew_at(one.address):
+        pass
 
 
 def test_a_fault_comes_back_as_text_not_as_an_object():

@@ -7,7 +7,9 @@ from pathlib import Path
 import pytest
 
 from gcodesim.diagnostics import SourceText
+from gcodesim.scale.hands import Alone
 from gcodesim.sweep.design import points
+from gcodesim.sweep.one import run_one
 from gcodesim.sweep.prepared import Allowed, prepared
 from gcodesim.sweep.study_file import read_study
 
@@ -60,6 +62,19 @@ def test_the_key_of_a_run_follows_from_what_decides_it(ready, tmp_path: Path):
     assert keys(text) == before
     (tmp_path / "sub.ngc").write_text("O<sub> SUB\nG0 X1\nO<sub> ENDSUB\n")
     assert not set(keys(text)) & set(before)
+
+
+def test_a_run_needs_nothing_but_what_travels(ready, tmp_path: Path):
+    done, _ = ready("vary: {tool_table: [one.tbl, two.tbl]}\n")
+    tasks = [done.task(point) for point in points(done.study)]
+    for path in tmp_path.rglob("*.*"):
+        path.unlink()
+
+    ends = list(Alone().do(run_one, tasks))
+
+    assert [end.fault for end in ends] == ["", ""]
+    assert [end.made.said["status"] for end in ends] == ["ok", "ok"]
+    assert len({end.made.said["results_sha256"] for end in ends}) == 2
 
 
 def test_an_absolute_name_is_told_before_anything_runs(ready, tmp_path: Path):
