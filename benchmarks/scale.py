@@ -13,7 +13,7 @@ from pathlib import Path
 
 from gcodesim.diagnostics import SourceText
 from gcodesim.scale.crew import local_crew
-from gcodesim.scale.hands import Alone, Task
+from gcodesim.scale.hands import Alone, WorkerTask
 from gcodesim.scale.worker import stand_in
 from gcodesim.sweep.design import points
 from gcodesim.sweep.journal import Journal
@@ -54,7 +54,7 @@ def stand_ins(tasks: int) -> None:
 
 
 def _tasks(count: int, name: str):  # type: ignore[no-untyped-def]
-    return (Task(key=f"{name}-{n}", said={"number": n, "takes_s": TAKES_S}) for n in range(count))
+    return (WorkerTask(key=f"{name}-{n}", said={"number": n, "takes_s": TAKES_S}) for n in range(count))
 
 
 def sweep(runs: int) -> None:

@@ -43,7 +43,7 @@ from gcodesim.sweep.page import aim_of, column_of, write_page
 from gcodesim.sweep.prepared import Allowed, Prepared, prepared
 from gcodesim.sweep.row import Row, cells, headings, limit_findings
 from gcodesim.sweep.running import Tally, do_runs, folder_of, rows
-from gcodesim.sweep.search import Found, search
+from gcodesim.sweep.search import SearchOutcome, search
 from gcodesim.sweep.study_file import StudyFile, read_study
 from gcodesim.sweep.summary import Summary, summary_as_json
 from gcodesim.sweep.tables import write_tables
@@ -114,7 +114,7 @@ def _sweep(ready: Prepared, journal: Journal, arguments: argparse.Namespace) -> 
     tally = Tally(total=total)
     if arguments.again:
         journal.forget_all()
-    found: Found | None = None
+    found: SearchOutcome | None = None
     tried: list[Point] = []
     try:
         with Bar(total) as step, hands_of(arguments, total) as hands:
@@ -175,7 +175,9 @@ def _write(ready: Prepared, chosen: _Chosen, arguments: argparse.Namespace) -> N
     write_tables(arguments.out, headings(ready), made)
 
 
-def _judged(ready: Prepared, chosen: _Chosen, arguments: argparse.Namespace, tally: Tally, found: Found | None) -> int:
+def _judged(
+    ready: Prepared, chosen: _Chosen, arguments: argparse.Namespace, tally: Tally, found: SearchOutcome | None
+) -> int:
     """Write tables, page and summary, print them; the exit status."""
     _write(ready, chosen, arguments)
     summary = Summary.of(ready, chosen.rows(), arguments.fail_on)
@@ -202,7 +204,7 @@ def _judged(ready: Prepared, chosen: _Chosen, arguments: argparse.Namespace, tal
     return int(arguments.status)
 
 
-def _extremes(chosen: _Chosen, found: Found | None) -> list[Row]:
+def _extremes(chosen: _Chosen, found: SearchOutcome | None) -> list[Row]:
     """The runs in which the figure of the page is least and greatest, and the best one of a search."""
     aim = aim_of(chosen.ready, chosen.rows())
     known = [row for row in chosen.rows() if row.status != "failed" and figure(aim, row.figures) is not None]
@@ -213,7 +215,7 @@ def _extremes(chosen: _Chosen, found: Found | None) -> list[Row]:
     return list({row.number: row for row in (least, most, *best)}.values())
 
 
-def _write_page(chosen: _Chosen, count: int, found: Found | None, arguments: argparse.Namespace) -> None:
+def _write_page(chosen: _Chosen, count: int, found: SearchOutcome | None, arguments: argparse.Namespace) -> None:
     """The page, and with --replay the pages of the runs that it links to."""
     ready, out = chosen.ready, arguments.out
     if arguments.replay:
@@ -239,7 +241,7 @@ def _write_replay(folder: Path, title: str) -> None:
         write_whole(folder / REPLAY, page.encode())
 
 
-def _print_best(chosen: _Chosen, found: Found) -> None:
+def _print_best(chosen: _Chosen, found: SearchOutcome) -> None:
     if found.best is None:
         print("  no run is within all limits")
         return

@@ -18,8 +18,8 @@ from gcodesim.regress.outcome import Judging
 from gcodesim.regress.suite import Judged, judged
 from gcodesim.regress.workers import WorkerLostError
 from gcodesim.scale.abilities import CODE, abilities
-from gcodesim.scale.bundle import Bundle
-from gcodesim.scale.hands import Hands, Parcel, Task
+from gcodesim.scale.bundle import FileBundle
+from gcodesim.scale.hands import Hands, Parcel, WorkerTask
 from gcodesim.scale.inputs import CannotTravelError, files_of_cell, gathered, subprograms
 from gcodesim.scale.plain_values import as_plain, from_plain
 from gcodesim.setups.naming import is_job_file
@@ -37,7 +37,7 @@ def judged_by(hands: Hands, cases: Sequence[Case], how: Judging) -> Generator[Ju
     waiting: dict[str, list[int]] = {}
     ready: dict[int, Judged] = {}
 
-    def tasks() -> Iterator[Task]:
+    def tasks() -> Iterator[WorkerTask]:
         for number, case in enumerate(cases):
             try:
                 task, root = _task(case, how)
@@ -71,14 +71,14 @@ def judged_by(hands: Hands, cases: Sequence[Case], how: Judging) -> Generator[Ju
         ending.close()
 
 
-def judge_one(said: Mapping[str, Any], folder: Path) -> Bundle:
+def judge_one(said: Mapping[str, Any], folder: Path) -> FileBundle:
     """Judge a case, on a worker."""
     case, how = from_plain(said["case"], Case, folder), from_plain(said["how"], Judging, folder)
     how.root.mkdir(parents=True, exist_ok=True)
-    return Bundle(files={}, said=as_plain(judged(case, how), Judged, folder))
+    return FileBundle(files={}, said=as_plain(judged(case, how), Judged, folder))
 
 
-def _task(case: Case, how: Judging) -> tuple[Task, Path]:
+def _task(case: Case, how: Judging) -> tuple[WorkerTask, Path]:
     """The task of a case, and the folder from which its paths are told."""
     inputs = gathered(dict.fromkeys(_files(case, how)), root=how.root)
     allowed = [*how.allowed(case), *(folders_of_job(case.program) if is_job_file(case.program) else ())]
@@ -90,7 +90,7 @@ def _task(case: Case, how: Judging) -> tuple[Task, Path]:
     parcel = Parcel.of(inputs.bundle)
     decides = json.dumps([abilities()[CODE], parcel.digest, said], sort_keys=True, ensure_ascii=False)
     key = hashlib.sha256(decides.encode("utf-8", "surrogateescape")).hexdigest()[:_KEY]
-    return Task(key=key, said=said, parcel=parcel), inputs.root
+    return WorkerTask(key=key, said=said, parcel=parcel), inputs.root
 
 
 def _there(folders: Iterable[Path], root: Path) -> Iterator[Path]:

@@ -24,7 +24,7 @@ class BundleError(ValueError):
 
 
 @frozen
-class Bundle:
+class FileBundle:
     """`files` by name, with `/` and below one folder; `said` is what is told with them, as JSON."""
 
     files: Mapping[str, bytes]
@@ -38,7 +38,7 @@ class Bundle:
         return b"".join((FORM, len(head).to_bytes(_COUNT, "big"), head, *(self.files[name] for name in names)))
 
     @staticmethod
-    def unpack(data: bytes) -> Bundle:
+    def unpack(data: bytes) -> FileBundle:
         """BundleError for anything that `pack` does not give, such as names that lead out of the folder."""
         if not isinstance(data, (bytes, bytearray, memoryview)) or not bytes(data[: len(FORM)]) == FORM:
             raise BundleError("these bytes are no bundle of files")
@@ -56,7 +56,7 @@ class Bundle:
         for name, size in sizes:
             files[name] = bytes(data[end : end + size])
             end += size
-        return Bundle(files=files, said=said)
+        return FileBundle(files=files, said=said)
 
     def write(self, folder: Path) -> None:
         """Write all files below `folder`."""

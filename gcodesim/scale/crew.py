@@ -19,8 +19,8 @@ from gcodesim.extras import require_extra
 from gcodesim.frozen import frozen
 from gcodesim.numbers import read_json
 from gcodesim.scale.abilities import abilities, misfits
-from gcodesim.scale.bundle import Bundle
-from gcodesim.scale.hands import Ended, Task, ended
+from gcodesim.scale.bundle import FileBundle
+from gcodesim.scale.hands import Ended, WorkerTask, ended
 from gcodesim.scale.interrupts import interrupts_wait
 from gcodesim.scale.worker import UNFIT, Work, carried, hello, work
 
@@ -128,12 +128,12 @@ class Crew:
     def count(self) -> int:
         return max(sum(self._threads.values()), 1)
 
-    def do(self, what: Work, tasks: Iterable[Task]) -> Generator[Ended, None, None]:
+    def do(self, what: Work, tasks: Iterable[WorkerTask]) -> Generator[Ended, None, None]:
         """As `Hands` has it. SchedulerLostError, NoWorkersError."""
         from distributed import as_completed
 
         ahead = iter(tasks)
-        under_way: dict[Any, tuple[Task, Future[bytes]]] = {}
+        under_way: dict[Any, tuple[WorkerTask, Future[bytes]]] = {}
         done = as_completed(loop=self._client.loop, with_results=True, raise_errors=False)
         try:
             while True:
@@ -171,7 +171,7 @@ class Crew:
         batch: list[tuple[Any, Any]] = done.next_batch()
         return batch
 
-    def _submit(self, what: Work, task: Task, again: bool = False) -> Future[bytes]:
+    def _submit(self, what: Work, task: WorkerTask, again: bool = False) -> Future[bytes]:
         self._check_that_somebody_may()
         key = f"gcodesim-{task.key}" + (f"-{time.monotonic_ns()}" if again else "")
         who = list(self._threads) if self._refused else None
@@ -181,7 +181,7 @@ class Crew:
                 work, what, task.request, self._parcel(task), key=key, pure=False, workers=who, retries=0
             )
 
-    def _parcel(self, task: Task) -> Future[bytes]:
+    def _parcel(self, task: WorkerTask) -> Future[bytes]:
         digest = task.parcel.digest
         if digest not in self._parcels:
             while len(self._parcels) >= _PARCELS:  # tasks under way keep the scheduler from forgetting theirs
@@ -191,12 +191,12 @@ class Crew:
             )
         return self._parcels[digest]
 
-    def _ended(self, what: Work, task: Task, future: Future[bytes], reply: Any) -> Ended | None:
+    def _ended(self, what: Work, task: WorkerTask, future: Future[bytes], reply: Any) -> Ended | None:
         """The end of a task; None if its worker must not work, so that somebody else has to."""
         status = future.status
         future.release()
         if status == "finished":
-            said = Bundle.unpack(reply).said
+            said = FileBundle.unpack(reply).said
             if said.get("state") != UNFIT:
                 return ended(task, reply)
             self._looked = 0.0

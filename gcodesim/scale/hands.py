@@ -8,7 +8,7 @@ from typing import Any, Final, Protocol
 
 from gcodesim.frozen import frozen
 from gcodesim.scale.abilities import CODE, abilities
-from gcodesim.scale.bundle import Bundle, digest_of
+from gcodesim.scale.bundle import FileBundle, digest_of
 from gcodesim.scale.worker import Work, work
 
 
@@ -20,16 +20,16 @@ class Parcel:
     digest: str
 
     @staticmethod
-    def of(bundle: Bundle) -> Parcel:
+    def of(bundle: FileBundle) -> Parcel:
         data = bundle.pack()
         return Parcel(data=data, digest=digest_of(data))
 
 
-NO_FILES: Final = Parcel.of(Bundle(files={}))
+NO_FILES: Final = Parcel.of(FileBundle(files={}))
 
 
 @frozen(eq=False)
-class Task:
+class WorkerTask:
     """What a worker is told (JSON), with its files; `key` is a hash of all that decides its result."""
 
     key: str
@@ -46,8 +46,8 @@ class Task:
 class Ended:
     """A task and what came of it; `lost` says why nothing did, `fault` is the trace of a fault in the code itself."""
 
-    task: Task
-    made: Bundle = Bundle(files={})
+    task: WorkerTask
+    made: FileBundle = FileBundle(files={})
     took_s: float = 0.0
     lost: str = ""
     fault: str = ""
@@ -60,7 +60,7 @@ class Hands(Protocol):
     def count(self) -> int:
         """How many tasks are done at once, as far as is known."""
 
-    def do(self, what: Work, tasks: Iterable[Task]) -> Generator[Ended, None, None]:
+    def do(self, what: Work, tasks: Iterable[WorkerTask]) -> Generator[Ended, None, None]:
         """Do `what` with each task; they end in any order. Closing it gives up what is not done."""
 
 
@@ -69,15 +69,15 @@ class Alone:
 
     count = 1
 
-    def do(self, what: Work, tasks: Iterable[Task]) -> Generator[Ended, None, None]:
+    def do(self, what: Work, tasks: Iterable[WorkerTask]) -> Generator[Ended, None, None]:
         for task in tasks:
             yield ended(task, work(what, task.request, task.parcel.data))
 
 
-def ended(task: Task, reply: bytes) -> Ended:
+def ended(task: WorkerTask, reply: bytes) -> Ended:
     """The end of a task from the reply of its worker; BundleError if that is none."""
-    bundle = Bundle.unpack(reply)
+    bundle = FileBundle.unpack(reply)
     said = bundle.said
     if said.get("fault"):
         return Ended(task=task, fault=str(said["fault"]))
-    return Ended(task=task, made=Bundle(files=bundle.files, said=said["said"]), took_s=float(said["took_s"]))
+    return Ended(task=task, made=FileBundle(files=bundle.files, said=said["said"]), took_s=float(said["took_s"]))

@@ -11,7 +11,7 @@ from typing import Final
 from gcodesim.cell import LoadedCell
 from gcodesim.diagnostics import SourceText
 from gcodesim.frozen import frozen
-from gcodesim.scale.bundle import Bundle
+from gcodesim.scale.bundle import FileBundle
 
 _SUBPROGRAMS: Final = (".ngc", ".nc", ".gcode", ".tap", ".cnc", ".mpf", ".gc", ".txt", "")
 _LARGEST: Final = 5_000_000  # bytes of a file that may be a subprogram
@@ -28,7 +28,7 @@ class Inputs:
     """`bundle` has the files by their names below `root`."""
 
     root: Path
-    bundle: Bundle
+    bundle: FileBundle
 
     def name(self, path: Path) -> str:
         """How a file is called in the bundle."""
@@ -82,7 +82,7 @@ def gathered(paths: Iterable[Path], *, root: Path | None = None) -> Inputs:
     files = {Path(os.path.abspath(path)): None for path in paths}
     tops = [str(path.parent) for path in files] + ([] if root is None else [os.path.abspath(root)])
     top = Path(os.path.commonpath(tops))
-    return Inputs(root=top, bundle=Bundle(files={_below(path, top): path.read_bytes() for path in files}))
+    return Inputs(root=top, bundle=FileBundle(files={_below(path, top): path.read_bytes() for path in files}))
 
 
 def _below(path: Path, root: Path) -> str:

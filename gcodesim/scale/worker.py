@@ -15,9 +15,9 @@ from typing import Any, Final
 
 from gcodesim.numbers import read_json
 from gcodesim.scale.abilities import CODE, abilities
-from gcodesim.scale.bundle import Bundle, BundleError, digest_of
+from gcodesim.scale.bundle import BundleError, FileBundle, digest_of
 
-Work = Callable[[Any, Path], Bundle]
+Work = Callable[[Any, Path], FileBundle]
 """Does a task: what it is told, and the folder with its files, which it must not change."""
 
 UNFIT: Final = "unfit"
@@ -46,14 +46,14 @@ def work(task: Work, request: bytes, bundle: bytes) -> bytes:
     begin = time.perf_counter()
     asked = read_json(bytes(request))
     if asked[CODE] != abilities()[CODE]:
-        return Bundle(files={}, said={"state": UNFIT, "abilities": dict(abilities())}).pack()
+        return FileBundle(files={}, said={"state": UNFIT, "abilities": dict(abilities())}).pack()
     with _one_at_a_time:
         try:
             made = task(asked["said"], _folder_of(bundle))
         except Exception:  # a fault of ours or of a plugin goes back as text, not as an object
-            return Bundle(files={}, said={"state": DONE, "fault": traceback.format_exc()}).pack()
+            return FileBundle(files={}, said={"state": DONE, "fault": traceback.format_exc()}).pack()
     took = time.perf_counter() - begin
-    return Bundle(files=made.files, said={"state": DONE, "said": made.said, "took_s": took}).pack()
+    return FileBundle(files=made.files, said={"state": DONE, "said": made.said, "took_s": took}).pack()
 
 
 def _folder_of(data: bytes) -> Path:
@@ -62,7 +62,7 @@ def _folder_of(data: bytes) -> Path:
     known = _folders.get(digest)
     if known is not None and known.is_dir():
         return known
-    bundle = Bundle.unpack(data)
+    bundle = FileBundle.unpack(data)
     while len(_folders) >= _MOST_FOLDERS:
         shutil.rmtree(_folders.pop(next(iter(_folders))), ignore_errors=True)
     folder = Path(tempfile.mkdtemp(prefix="gcodesim-", dir=_own_place())) / "inputs"
@@ -81,11 +81,11 @@ def _own_place() -> str | None:
     return None
 
 
-def stand_in(said: Any, folder: Path) -> Bundle:
+def stand_in(said: Any, folder: Path) -> FileBundle:
     """A task that takes `said["takes_s"]` and does nothing: for measuring what a cluster bears."""
     del folder
     time.sleep(float(said["takes_s"]))
-    return Bundle(files={}, said={"number": said["number"]})
+    return FileBundle(files={}, said={"number": said["number"]})
 
 
 __all__ = ["DONE", "UNFIT", "BundleError", "Work", "carried", "hello", "stand_in", "work"]

@@ -77,7 +77,7 @@ class ParameterName(Kind):
 
 
 @frozen(kw_only=False)
-class End(Kind):
+class RangeEnd(Kind):
     """One end of a range: a number with any unit."""
 
     @property
@@ -130,8 +130,8 @@ class FactorKeys:
         ParameterName(), "parameter of the program, set before it begins, in its units", default=None
     )
     values: tuple[Node, ...] | None = key(Levels(), "its values one by one; the last unit holds for all", default=None)
-    low: Measured | None = key(End(), "where its range begins", name="from", default=None)
-    high: Measured | None = key(End(), "where its range ends", name="to", default=None)
+    low: Measured | None = key(RangeEnd(), "where its range begins", name="from", default=None)
+    high: Measured | None = key(RangeEnd(), "where its range ends", name="to", default=None)
     steps: int | None = key(
         Whole(Range(least=2.0, most=1e6)), "values of the range in a grid, ends included", default=None
     )

@@ -19,7 +19,7 @@ _WORDS: Final = {">": "above", ">=": "at or above", "<": "below", "<=": "at or b
 
 
 @frozen
-class Limit:
+class StudyLimit:
     """A run fails if the figure `what` (a name, or a path of the results) is on the wrong side of `value` [`unit`]."""
 
     what: str
@@ -59,7 +59,7 @@ class LimitKind(Kind):
     def expected(self) -> str:
         return "a limit such as `force > 400 N`"
 
-    def read(self, node: Node, to: Reading, path: Path) -> Limit | Unread:
+    def read(self, node: Node, to: Reading, path: Path) -> StudyLimit | Unread:
         text = scalar(self, node, to, path)
         if isinstance(text, Unread):
             return UNREAD
@@ -71,21 +71,23 @@ class LimitKind(Kind):
             return to.fault("GS711", text.span, f"there is no figure `{short(what)}`", figure_hint(what))
         return self._with_value(what, match["sign"], match["value"], text, to, path)
 
-    def _with_value(self, what: str, sign: str, written: str, text: Scalar, to: Reading, path: Path) -> Limit | Unread:
+    def _with_value(
+        self, what: str, sign: str, written: str, text: Scalar, to: Reading, path: Path
+    ) -> StudyLimit | Unread:
         value = Scalar(span=text.span, text=written)
         if "." in what:  # a path, whose name says the unit
             number = measured(written)
             if number is None or number.unit:
                 message = f"`{short(written)}` is no number; a path of the results has its unit in its name"
                 return to.fault("GS707", text.span, message, f"such as `{what} {sign} 400`")
-            return Limit(what=what, sign=sign, value=number.value, unit="", text=text.text.strip())
+            return StudyLimit(what=what, sign=sign, value=number.value, unit="", text=text.text.strip())
         dimension, unit = dimension_of(what)
         read = Quantity(dimension).read(value, to, (*path[:-1], what))
         if isinstance(read, Unread):
             return UNREAD
         shown = find(unit, dimension) if unit else None
         in_shown = read if shown is None else in_unit(read, shown)
-        return Limit(what=what, sign=sign, value=in_shown, unit=unit, text=text.text.strip())
+        return StudyLimit(what=what, sign=sign, value=in_shown, unit=unit, text=text.text.strip())
 
     def schema(self, definitions: dict[str, Json]) -> Json:
         return {"type": "string", "pattern": "^.+(<|>)=?.+$", "examples": ["force > 400 N"]}

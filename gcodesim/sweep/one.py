@@ -19,7 +19,7 @@ from gcodesim.jobs.job import Options
 from gcodesim.numbers import clean
 from gcodesim.regress.compare import paths_of, value_at
 from gcodesim.rs274 import Settings
-from gcodesim.scale.bundle import Bundle
+from gcodesim.scale.bundle import FileBundle
 from gcodesim.setups.results import setups_as_json
 from gcodesim.setups.running import How, run_setups
 from gcodesim.setups.setup_file import read_job_file
@@ -34,7 +34,7 @@ _NOT_SUMMED: Final = ("time", "distance")  # of a job: each set-up has its own
 _LISTS: Final = ("probings", "regions")  # of any length, and no figures
 
 
-def run_one(said: Mapping[str, Any], folder: Path) -> Bundle:
+def run_one(said: Mapping[str, Any], folder: Path) -> FileBundle:
     """Do a run: `folder` has the files by the names that `said` has for them.
 
     Back come figures, findings, a hash of the results and, if asked for, all files of the run.
@@ -52,7 +52,7 @@ def run_one(said: Mapping[str, Any], folder: Path) -> Bundle:
         "findings": [as_stored(finding) for finding in findings],
         "results_sha256": hashlib.sha256(text.encode()).hexdigest(),
     }
-    return Bundle(files=files, said=clean(row))
+    return FileBundle(files=files, said=clean(row))
 
 
 def figures_of(results: Mapping[str, Any]) -> dict[str, float | str | None]:

@@ -14,7 +14,7 @@ from typing import Final
 from gcodesim.numbers import clean
 from gcodesim.sweep.measure import figure, heading_of
 from gcodesim.sweep.prepared import Prepared
-from gcodesim.sweep.row import Cell, Heading, Row
+from gcodesim.sweep.row import Cell, ColumnHeading, Row
 
 _FOLDER: Final = "sweep_page"
 _MOST_ROWS: Final = 20_000
@@ -23,7 +23,7 @@ _MOST_ROWS: Final = 20_000
 
 def write_page(
     ready: Prepared,
-    heads: Sequence[Heading],
+    heads: Sequence[ColumnHeading],
     rows: Iterable[Sequence[Cell]],
     links: Mapping[int, str],
     aim: str,

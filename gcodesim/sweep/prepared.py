@@ -16,7 +16,7 @@ from gcodesim.cell.loader import CellChange
 from gcodesim.diagnostics import Diagnostic, Severity, SourceText, Span
 from gcodesim.frozen import frozen
 from gcodesim.scale.abilities import CODE, abilities
-from gcodesim.scale.hands import Parcel, Task
+from gcodesim.scale.hands import Parcel, WorkerTask
 from gcodesim.scale.inputs import CannotTravelError, Inputs, files_of_cell, gathered, subprograms
 from gcodesim.setups.setup_file import folders_of_job, read_job_file
 from gcodesim.sweep.design import Point, all_levels
@@ -49,7 +49,7 @@ class Prepared:
     common: Mapping[str, Any]
     sources: Mapping[str, SourceText]
 
-    def task(self, point: Point, *, keep: bool = False) -> Task:
+    def task(self, point: Point, *, keep: bool = False) -> WorkerTask:
         """The task of a point. Its key depends on nothing that its results do not depend on."""
         said = {**self.common, **point_as_json(self.study.vary, point)}
         for name in (PROGRAM, CELL):
@@ -57,9 +57,9 @@ class Prepared:
                 said[name] = self.inputs.name(self.file.path.parent / str(point[name].shown))
         decides = json.dumps([abilities()[CODE], self.parcel.digest, said], sort_keys=True, ensure_ascii=False)
         key = hashlib.sha256(decides.encode("utf-8", "surrogateescape")).hexdigest()
-        return Task(key=f"{key}-logs" if keep else key, said={**said, "keep": keep}, parcel=self.parcel)
+        return WorkerTask(key=f"{key}-logs" if keep else key, said={**said, "keep": keep}, parcel=self.parcel)
 
-    def tasks(self, points: Iterator[Point]) -> Iterator[tuple[Point, Task]]:
+    def tasks(self, points: Iterator[Point]) -> Iterator[tuple[Point, WorkerTask]]:
         return ((point, self.task(point)) for point in points)
 
 

@@ -9,7 +9,7 @@ from gcodesim.diagnostics import Diagnostic, Severity
 from gcodesim.diagnostics.stored import from_stored
 from gcodesim.frozen import frozen
 from gcodesim.sweep.design import Point
-from gcodesim.sweep.limit import Limit
+from gcodesim.sweep.limit import StudyLimit
 from gcodesim.sweep.measure import Figures, figure, heading_of, names
 from gcodesim.sweep.prepared import Prepared, placed
 
@@ -31,7 +31,7 @@ class Row:
     figures: Figures
     findings: Sequence[Diagnostic]
     results_sha256: str
-    broken: Sequence[Limit]
+    broken: Sequence[StudyLimit]
 
     def fails(self, fail_on: str) -> bool:
         """Whether it has a finding at or above `fail_on`, is beyond a limit, or did not get to its end."""
@@ -77,7 +77,7 @@ def limit_findings(ready: Prepared, row: Row) -> Iterator[Diagnostic]:
 
 
 @frozen(kw_only=False)
-class Heading:
+class ColumnHeading:
     """A column: its name, whether its cells are numbers, and whether it is an input or a result."""
 
     name: str
@@ -85,26 +85,26 @@ class Heading:
     role: str
 
 
-def headings(ready: Prepared) -> list[Heading]:
+def headings(ready: Prepared) -> list[ColumnHeading]:
     """The columns of all tables of a study."""
     study = ready.study
-    inputs = [Heading(f.heading, "number" if f.numeric else "text", "input") for f in study.vary.values()]
-    figures = [Heading(heading_of(name), "number", "figure") for name in names()]
-    figures += [Heading(name if "." in name else heading_of(name), "number", "figure") for name in further(ready)]
+    inputs = [ColumnHeading(f.heading, "number" if f.numeric else "text", "input") for f in study.vary.values()]
+    figures = [ColumnHeading(heading_of(name), "number", "figure") for name in names()]
+    figures += [ColumnHeading(name if "." in name else heading_of(name), "number", "figure") for name in further(ready)]
     return [
-        Heading("run", "whole", "run"),
+        ColumnHeading("run", "whole", "run"),
         *inputs,
-        Heading("verdict", "text", "verdict"),
-        Heading("status", "text", "verdict"),
-        Heading("errors", "whole", "verdict"),
-        Heading("warnings", "whole", "verdict"),
-        Heading("notes", "whole", "verdict"),
-        Heading("codes", "text", "verdict"),
-        Heading("limits", "text", "verdict"),
-        Heading("first_finding", "text", "verdict"),
+        ColumnHeading("verdict", "text", "verdict"),
+        ColumnHeading("status", "text", "verdict"),
+        ColumnHeading("errors", "whole", "verdict"),
+        ColumnHeading("warnings", "whole", "verdict"),
+        ColumnHeading("notes", "whole", "verdict"),
+        ColumnHeading("codes", "text", "verdict"),
+        ColumnHeading("limits", "text", "verdict"),
+        ColumnHeading("first_finding", "text", "verdict"),
         *figures,
-        Heading("inputs_sha256", "text", "hash"),
-        Heading("results_sha256", "text", "hash"),
+        ColumnHeading("inputs_sha256", "text", "hash"),
+        ColumnHeading("results_sha256", "text", "hash"),
     ]
 
 

@@ -10,7 +10,7 @@ from typing import Final
 
 from gcodesim.diagnostics import Diagnostic, Span
 from gcodesim.files.whole_file import write_whole
-from gcodesim.scale.hands import Ended, Hands, Task
+from gcodesim.scale.hands import Ended, Hands, WorkerTask
 from gcodesim.sweep.design import Point
 from gcodesim.sweep.journal import Journal
 from gcodesim.sweep.one import run_one
@@ -54,7 +54,7 @@ def do_runs(
     """
     asked: set[str] = set()
 
-    def tasks() -> Iterator[Task]:
+    def tasks() -> Iterator[WorkerTask]:
         for point in points:
             task = ready.task(point, keep=keep)
             key = task.key[:_KEY]

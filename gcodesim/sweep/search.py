@@ -28,14 +28,14 @@ Runs = Callable[[Sequence[Point]], Sequence[Row | None]]
 
 
 @frozen(eq=False)
-class Found:
+class SearchOutcome:
     """All points that were tried, each once, in their order; `best` is one of them, None if none is within limits."""
 
     points: Sequence[Point]
     best: int | None
 
 
-def search(study: Study, runs: Runs) -> Found:
+def search(study: Study, runs: Runs) -> SearchOutcome:
     """Search as `find` of the study says."""
     from scipy.optimize import Bounds, differential_evolution
 
@@ -78,7 +78,7 @@ def search(study: Study, runs: Runs) -> Found:
         callback=enough,  # type: ignore[arg-type]
     )
     best = min(range(len(costs)), key=lambda index: costs[index])
-    return Found(points=points, best=best if costs[best] < _BEYOND and _is_good(aim, costs[best]) else None)
+    return SearchOutcome(points=points, best=best if costs[best] < _BEYOND and _is_good(aim, costs[best]) else None)
 
 
 def cost(study: Study, aim: Search, row: Row | None) -> float:

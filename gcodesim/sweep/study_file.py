@@ -21,7 +21,7 @@ from gcodesim.diagnostics import Findings, SourceText, Span
 from gcodesim.files.repository import top_of
 from gcodesim.frozen import frozen
 from gcodesim.sweep.factor import CELL, FACTORS, PROGRAM, Factor
-from gcodesim.sweep.limit import FigureKind, Limit, LimitKind
+from gcodesim.sweep.limit import FigureKind, LimitKind, StudyLimit
 
 FORMAT: Final = 1
 VARY: Final = "vary"
@@ -102,7 +102,7 @@ class Study:
     design: Design = key(
         Record(Design, "the design", shorthand="type"), "how values are put together", default=Design(), quiet=True
     )
-    fail: tuple[Limit, ...] = key(
+    fail: tuple[StudyLimit, ...] = key(
         ListOf(LimitKind(), single=True), "limits: a run that is beyond one fails", default=(), quiet=True
     )
     find: Search | None = key(Record(Search, "`find`"), "what --find searches for", default=None)

@@ -14,12 +14,12 @@ from gcodesim.diagnostics.plain import table_text
 from gcodesim.files.output_folder import SWEEP_TABLES
 from gcodesim.files.whole_file import whole_file
 from gcodesim.numbers import clean
-from gcodesim.sweep.row import Cell, Heading
+from gcodesim.sweep.row import Cell, ColumnHeading
 
 _AT_ONCE: Final = 4096  # rows in memory
 
 
-def write_tables(folder: Path, heads: Sequence[Heading], rows: Iterable[Sequence[Cell]]) -> list[Path]:
+def write_tables(folder: Path, heads: Sequence[ColumnHeading], rows: Iterable[Sequence[Cell]]) -> list[Path]:
     """Write the rows into `folder`, row by row; the files. Parquet needs pyarrow, of the extra `scale`."""
     with ExitStack() as stack:
         sheet = io.TextIOWrapper(stack.enter_context(whole_file(folder / SWEEP_TABLES[0])), "utf-8", newline="")
@@ -46,7 +46,7 @@ def _shown(cell: Cell) -> Any:
 class _Parquet:
     """A Parquet file that is written in groups of rows."""
 
-    def __init__(self, file: Any, heads: Sequence[Heading]) -> None:
+    def __init__(self, file: Any, heads: Sequence[ColumnHeading]) -> None:
         import pyarrow
         import pyarrow.parquet
 

@@ -25,6 +25,8 @@ LIBRARIES = {
     "motion/builders.py": "splines by scipy: paths that a Python program builds, before the first file",
     "compiled/compiling.py": "keeps numba from loading scipy",
     "material/skin.py": "which of given points is nearest: scipy's tree compares plain sums",
+    "sweep/design.py": "which points of a study are spread: whole numbers and their halves",
+    "sweep/search.py": "which points a search tries: they are in its table, and each run says what it is",
 }
 # where `@` joins poses, which are no arrays
 POSES = {

@@ -7,18 +7,18 @@ from pathlib import Path
 
 import pytest
 
-from gcodesim.scale.bundle import FORM, Bundle, BundleError
+from gcodesim.scale.bundle import FORM, BundleError, FileBundle
 
 
 def test_what_is_packed_comes_back_and_equal_bundles_are_equal_bytes(tmp_path: Path):
-    bundle = Bundle(files={"b/c.stl": b"\x00\xff", "a.nc": b"M2\n"}, said={"n": 1.5})
+    bundle = FileBundle(files={"b/c.stl": b"\x00\xff", "a.nc": b"M2\n"}, said={"n": 1.5})
 
-    again = Bundle.unpack(bundle.pack())
+    again = FileBundle.unpack(bundle.pack())
     again.write(tmp_path)
 
     assert again == bundle
     assert (tmp_path / "b" / "c.stl").read_bytes() == b"\x00\xff"
-    assert Bundle(files=dict(reversed(bundle.files.items())), said={"n": 1.5}).pack() == bundle.pack()
+    assert FileBundle(files=dict(reversed(bundle.files.items())), said={"n": 1.5}).pack() == bundle.pack()
 
 
 def test_a_pickle_is_no_bundle_and_is_not_run():
@@ -28,18 +28,18 @@ def test_a_pickle_is_no_bundle_and_is_not_run():
 
     for data in (pickle.dumps(Bomb()), FORM + pickle.dumps(Bomb()), b"", b"gcodesim"):
         with pytest.raises(BundleError):
-            Bundle.unpack(data)
+            FileBundle.unpack(data)
 
 
 @pytest.mark.parametrize("name", ["../a", "/etc/a", "a/../../b", "", "a\\b", "c:a", "a\0"])
 def test_no_name_leads_out_of_the_folder(name: str):
     with pytest.raises(BundleError):
-        Bundle.unpack(Bundle(files={name: b""}).pack())
+        FileBundle.unpack(FileBundle(files={name: b""}).pack())
 
 
 def test_bytes_that_are_cut_off_or_too_many_are_refused():
-    data = Bundle(files={"a": b"12345"}).pack()
+    data = FileBundle(files={"a": b"12345"}).pack()
 
     for bad in (data[:-1], data + b"x", data[: len(FORM) + 20]):
         with pytest.raises(BundleError):
-            Bundle.unpack(bad)
+            FileBundle.unpack(bad)

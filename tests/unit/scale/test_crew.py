@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from gcodesim.scale.crew import Keys, NoWorkersError, SchedulerLostError, crew_at, local_crew
-from gcodesim.scale.hands import Alone, Task
+from gcodesim.scale.hands import Alone, WorkerTask
 from gcodesim.scale.worker import stand_in
 from tests.cluster import cluster, kill
 
@@ -25,7 +25,9 @@ sys.meta_path.insert(0, No())
 
 
 def tasks(count: int, takes_s: float = 0.01):
-    return (Task(key=f"{takes_s}-{number}", said={"number": number, "takes_s": takes_s}) for number in range(count))
+    return (
+        WorkerTask(key=f"{takes_s}-{number}", said={"number": number, "takes_s": takes_s}) for number in range(count)
+    )
 
 
 def numbers(ends) -> list[int]:
@@ -105,7 +107,7 @@ def test_tls_keeps_strangers_out(cluster, tmp_path: Path):
 
 
 def test_a_fault_comes_back_as_text_not_as_an_object():
-    (end,) = Alone().do(stand_in, [Task(key="a", said={"number": 1, "takes_s": "x"})])
+    (end,) = Alone().do(stand_in, [WorkerTask(key="a", said={"number": 1, "takes_s": "x"})])
 
     assert "could not convert string to float" in end.fault
     assert isinstance(end.fault, str)

@@ -8,7 +8,7 @@ from gcodesim.declarations.files import Shelf
 from gcodesim.declarations.nodes import Scalar
 from gcodesim.declarations.reading import Reading
 from gcodesim.diagnostics import Findings, Span
-from gcodesim.sweep.limit import Limit, LimitKind
+from gcodesim.sweep.limit import LimitKind, StudyLimit
 from gcodesim.sweep.measure import figure
 
 FIGURES = {
@@ -25,11 +25,11 @@ FIGURES = {
 }
 
 
-def limit(text: str, tmp_path) -> Limit:
+def limit(text: str, tmp_path) -> StudyLimit:
     node = Scalar(span=Span("s", 1, 1, 1, 2), text=text)
     to = Reading(file="s", findings=Findings(), shelf=Shelf(folder=tmp_path))
     read = LimitKind().read(node, to, ("fail", 0))
-    assert isinstance(read, Limit)
+    assert isinstance(read, StudyLimit)
     return read
 
 
