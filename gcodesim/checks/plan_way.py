@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,7 +24,7 @@ SLACK: Final = 2e-6
 _SPACING: Final = 20e-3  # [m] between nodes to begin with
 _BEND: Final = 0.3  # [rad] of direction between nodes on arcs
 _SAFETY: Final = 1.3  # what a curve leaves its chord by, over what it does so half-way
-_ROUNDS: Final = 4
+_ROUNDS: Final = 3
 _MOST_PARTS: Final = 400  # of one stretch in one round
 _HALVINGS: Final = 60
 _SAME: Final = 1e-12
@@ -43,17 +43,14 @@ class PlanWay:
     @staticmethod
     def of(plan: Plan, reach: Array) -> PlanWay:
         """With nodes so close that no body leaves the straight way by more than `SLACK`; `reach` (j,) [m, 1]."""
-        pieces = plan.trajectory.pieces
-        piece, s0, s1 = _first_parts(pieces)
-        for last in range(_ROUNDS):
-            q0, middle, q1 = (_joints_at(plan, piece, s) for s in (s0, 0.5 * (s0 + s1), s1))
-            bend = _SAFETY * _leaves(q0, middle, q1)
-            slack = applied(bend, reach) if last < _ROUNDS - 1 else np.zeros(len(piece))
+        found = _Stretches.of(plan)
+        for _ in range(_ROUNDS):
+            slack = applied(found.bend, reach)
             parts = np.clip(np.ceil(np.sqrt(slack / SLACK)), 1, _MOST_PARTS).astype(np.int64)
             if not (parts > 1).any():
                 break
-            piece, s0, s1 = _split(piece, s0, s1, parts)
-        return _joined(plan, (piece, s0, s1), q0, q1, bend)
+            found = found.split(plan, parts)
+        return found.joined(plan)
 
     def row(self, stretch: int) -> int:
         """Path row of a stretch."""
@@ -77,6 +74,47 @@ class PlanWay:
             before = int(sample.piece[0]) < piece or (int(sample.piece[0]) == piece and float(sample.s[0]) < s)
             low, high = (middle, high) if before else (low, middle)
         return high
+
+
+class _Stretches(NamedTuple):
+    """Parts of pieces from `s0` to `s1` (n,), with joints (n, j) at both ends and in the middle."""
+
+    piece: NDArray[np.int64]
+    s0: Array
+    s1: Array
+    q0: Array
+    middle: Array
+    q1: Array
+
+    @staticmethod
+    def of(plan: Plan) -> _Stretches:
+        piece, s0, s1 = _first_parts(plan.trajectory.pieces)
+        return _Stretches(piece, s0, s1, *(_joints_at(plan, piece, s) for s in (s0, 0.5 * (s0 + s1), s1)))
+
+    @property
+    def bend(self) -> Array:
+        """How far (n, j) the joints may leave the straight line between both ends."""
+        return _SAFETY * _leaves(self.q0, self.middle, self.q1)
+
+    def split(self, plan: Plan, parts: NDArray[np.int64]) -> _Stretches:
+        """Each in so many equal parts; joints are asked for only where none are known."""
+        piece, s0, s1 = _split(self.piece, self.s0, self.s1, parts)
+        own = np.repeat(np.arange(len(parts)), parts)
+        q0, middle, q1 = self.q0[own], self.middle[own], self.q1[own]
+        inner = np.flatnonzero(own[1:] == own[:-1])  # ends within what was one stretch
+        q1[inner] = q0[inner + 1] = _joints_at(plan, piece[inner], s1[inner])
+        new = np.flatnonzero(parts[own] > 1)
+        middle[new] = _joints_at(plan, piece[new], 0.5 * (s0 + s1)[new])
+        return _Stretches(piece, s0, s1, q0, middle, q1)
+
+    def joined(self, plan: Plan) -> PlanWay:
+        """One way through all of them; where one does not begin where the last ended, a stretch between."""
+        piece, s0, s1, q0, _, q1 = self
+        gap = np.append(False, np.abs(q0[1:] - q1[:-1]).max(axis=1) > _SAME) if len(q0) else np.zeros(0, dtype=bool)
+        at = np.flatnonzero(gap)
+        nodes = np.concatenate([q0[:1], np.insert(q1, at, q0[at], axis=0)])
+        way = JointWay(np.ascontiguousarray(nodes), np.insert(self.bend, at, 0.0, axis=0))
+        return PlanWay(plan, way, np.insert(piece, at, piece[at]), np.insert(s0, at, s0[at]), np.insert(s1, at, s0[at]))
 
 
 def _first_parts(pieces: Pieces) -> tuple[NDArray[np.int64], Array, Array]:
@@ -127,13 +165,3 @@ def _leaves(q0: Array, middle: Array, q1: Array) -> Array:
     share = np.clip(np.sum((middle - q0) * step, axis=1) / np.where(square > 0.0, square, 1.0), 0.0, 1.0)
     off: Array = np.abs(middle - q0 - share[:, None] * step)
     return off
-
-
-def _joined(plan: Plan, where: tuple[NDArray[np.int64], Array, Array], q0: Array, q1: Array, bend: Array) -> PlanWay:
-    """One way through all stretches; where one does not begin where the last ended, a stretch between."""
-    piece, s0, s1 = where
-    gap = np.append(False, np.abs(q0[1:] - q1[:-1]).max(axis=1) > _SAME) if len(q0) else np.zeros(0, dtype=bool)
-    at = np.flatnonzero(gap)
-    nodes = np.concatenate([q0[:1], np.insert(q1, at, q0[at], axis=0)])
-    way = JointWay(np.ascontiguousarray(nodes), np.insert(bend, at, 0.0, axis=0))
-    return PlanWay(plan, way, np.insert(piece, at, piece[at]), np.insert(s0, at, s0[at]), np.insert(s1, at, s0[at]))

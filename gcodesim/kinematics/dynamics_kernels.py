@@ -177,7 +177,11 @@ def efforts_along(
     room, X_tip = room_for(q.shape[1]), np.empty((4, 4))
     carrier = tree.flange_carrier
     for k in range(q.shape[0]):
-        joint_frames(q[k], tree.parent, tree.before, tree.axis, tree.prismatic, room.frames)
+        stays = k > 0
+        for i in range(q.shape[1]):
+            stays = stays and q[k, i] == q[k - 1, i]
+        if not stays:
+            joint_frames(q[k], tree.parent, tree.before, tree.axis, tree.prismatic, room.frames)
         for i in range(q.shape[1]):
             move_body(i, qd[k, i], qdd[k, i], tree, bodies.com, gravity, room)
             balance_body(i, bodies.mass[i], bodies.inertia[i], room)

@@ -125,9 +125,8 @@ class ArmCaps:
         step, twice, h = r1 - r0, 6.0 * mean - 3.0 * (r0 + r1), self.length[:, None]
         share, why = np.ones(len(i)), []
         for at, rate, bend in ((i - 1, r0, (step + twice) / h), (i, r1, (step - twice) / h)):
-            static = loads.efforts(tool, q[at], 0.0, 0.0)
-            ahead = loads.efforts(tool, q[at], rate * v, rate * a + bend * v * v)
-            behind = loads.efforts(tool, q[at], rate * v, bend * v * v - rate * a)
+            qd, along, across = rate * v, rate * a, bend * v * v
+            static, ahead, behind = loads.efforts(tool, q[at], (0.0, 0.0), (qd, along + across), (qd, across - along))
             push = 0.5 * (ahead - behind)
             slowing = loads.slowing(self.piece, static, ahead, behind, static + push, static - push)
             share = np.minimum(share, slowing.share)

@@ -41,15 +41,24 @@ class Loads:
         """Whether there is a limit and a mass."""
         return bool(np.isfinite(self.limit).any()) and any(link.inertial is not None for link in self.chain.links)
 
-    def efforts(self, tool: NDArray[np.int64], q: Array, qd: Array | float, qdd: Array | float) -> Array:
-        """Efforts (n, j) with `tool` (n,) on the flange at q, qd, qdd (n, j)."""
-        qd, qdd = np.broadcast_to(qd, q.shape), np.broadcast_to(qdd, q.shape)
-        out = np.empty_like(q)
+    def efforts(
+        self, tool: NDArray[np.int64], q: Array, *motions: tuple[Array | float, Array | float]
+    ) -> tuple[Array, ...]:
+        """Efforts (n, j) with `tool` (n,) on the flange at q (n, j), for each of several `motions` (qd, qdd)."""
+        out = np.empty((len(q), len(motions), q.shape[1]))
+        rates, changes = (
+            np.stack([np.broadcast_to(values, q.shape) for values in kind], axis=1)
+            for kind in zip(*motions, strict=True)
+        )
         for number in distinct(tool).tolist():
             here = tool == number
+            # motions through one place stand together: the kernel works out its frames once
+            at = np.repeat(q[here], len(motions), axis=0)
+            qd, qdd = rates[here].reshape(at.shape), changes[here].reshape(at.shape)
             payload = self.tools.get(number)
-            out[here] = inverse_dynamics(self.chain, q[here], qd[here], qdd[here], payload, gravity=self.gravity)
-        return out
+            found = inverse_dynamics(self.chain, at, qd, qdd, payload, gravity=self.gravity)
+            out[here] = found.reshape(-1, *out.shape[1:])
+        return tuple(np.ascontiguousarray(out[:, m]) for m in range(len(motions)))
 
     def slowing(self, piece: NDArray[np.int64], static: Array, *moved: Array) -> Slowing:
         """The share of speed squared and of acceleration that is allowed at n places, which are on `piece` (n,).

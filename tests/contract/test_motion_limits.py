@@ -55,8 +55,8 @@ def share_of_efforts(plan: Plan, shop: Shop) -> float:
     tool = np.array([state.tool for state in plan.path.states])[plan.path.state[samples.row]][1:-1]
     here = np.ascontiguousarray(q[1:-1])
     speed, acceleration = (q[2:] - q[:-2]) / (2.0 * CYCLE), np.diff(q, n=2, axis=0) / CYCLE**2
-    efforts = np.abs(loads.efforts(tool, here, speed, acceleration)) / loads.limit
-    borne = np.abs(loads.efforts(tool, here, 0.0, 0.0)) / loads.limit < BORNE
+    efforts = np.abs(*loads.efforts(tool, here, (speed, acceleration))) / loads.limit
+    borne = np.abs(*loads.efforts(tool, here, (0.0, 0.0))) / loads.limit < BORNE
     return float(np.where(borne, efforts, 0.0).max())
 
 

@@ -101,8 +101,8 @@ def test_motors_are_asked_for_no_more_than_they_can_give(payload: float) -> None
     t = np.linspace(0.0, own.duration, 2001)
     _, rate, change = own.law_at(t)
     way, tool = end - start, np.ones(len(t), dtype=np.int64)
-    share = np.abs(loads.efforts(tool, own.at(t), rate[:, None] * way, change[:, None] * way)) / loads.limit
-    borne = np.abs(loads.efforts(tool, own.at(t), 0.0, 0.0)) / loads.limit < 0.97  # at rest
+    share = np.abs(*loads.efforts(tool, own.at(t), (rate[:, None] * way, change[:, None] * way))) / loads.limit
+    borne = np.abs(*loads.efforts(tool, own.at(t), (0.0, 0.0))) / loads.limit < 0.97  # at rest
     if payload == 0.0:
         assert own is plain and why is None
     else:
