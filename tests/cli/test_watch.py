@@ -13,7 +13,7 @@ from gcodesim.cli.parser import build_parser
 
 def tasks(*words):
     arguments = build_parser(["watch"]).parse_args(["watch", *map(str, words)])
-    return [watch.Task(path, arguments) for path in arguments.paths]
+    return [watch.WatchedPath(path, arguments) for path in arguments.paths]
 
 
 def acts(given, strokes):

@@ -72,12 +72,12 @@ def run(arguments: argparse.Namespace) -> int:
             raise UsageError("stdin cannot be watched" if path == STDIN else f"{path} is not there")
     if arguments.cell is not None and not arguments.cell.is_file():
         raise UsageError(f"cell {arguments.cell} is not there")
-    tasks = [Task(path, arguments) for path in arguments.paths]
+    tasks = [WatchedPath(path, arguments) for path in arguments.paths]
     watch(tasks, lambda: time.sleep(arguments.every))
     raise AssertionError("only a signal ends this")
 
 
-class Task:
+class WatchedPath:
     """A path of the command line: the command for it, and the files on which that depends."""
 
     def __init__(self, path: Path, arguments: argparse.Namespace) -> None:
@@ -135,7 +135,7 @@ def _inputs_in(folder: Path) -> Iterator[Path]:
             yield path
 
 
-def watch(tasks: list[Task], wait: Callable[[], None], act: Callable[[Task], None] | None = None) -> None:
+def watch(tasks: list[WatchedPath], wait: Callable[[], None], act: Callable[[WatchedPath], None] | None = None) -> None:
     """Act for each task at once, and again when files of it have changed and then stood still for one look.
 
     `wait` lets the time between two looks pass; only an exception ends this, such as Ctrl-C.
@@ -152,7 +152,7 @@ def watch(tasks: list[Task], wait: Callable[[], None], act: Callable[[Task], Non
             task.files.watch(task.inputs())
 
 
-def _changes(tasks: list[Task], wait: Callable[[], None]) -> dict[int, list[Path]]:
+def _changes(tasks: list[WatchedPath], wait: Callable[[], None]) -> dict[int, list[Path]]:
     """What has changed, by the number of the task, once nothing has changed any more between two looks."""
     found: dict[int, set[Path]] = {}
     while True:
@@ -164,7 +164,7 @@ def _changes(tasks: list[Task], wait: Callable[[], None]) -> dict[int, list[Path
             return {number: sorted(paths) for number, paths in found.items()}
 
 
-def _run(task: Task) -> None:
+def _run(task: WatchedPath) -> None:
     """The command in a process of its own, so that each answer is that of a fresh one."""
     note(f"gcodesim {' '.join(task.command)}")
     sys.stdout.flush()
