@@ -64,7 +64,7 @@ def test_programs_that_are_shipped(dialect):
 def test_the_whole_corpus(style):
     done = [is_formatted(path, settings_by_setup(path), style) for path in CORPUS]
 
-    assert sum(done) > 500
+    assert sum(done) > 200
 
 
 @pytest.mark.slow

@@ -26,6 +26,7 @@ EVERY: Final = 250
 """Blocks between two copies of the run at first; their distance grows where a program executes very many."""
 
 _MOST_COPIES: Final = 400
+_ENDLESS: Final = "GS134"
 
 
 @dataclass(slots=True)
@@ -69,6 +70,7 @@ class LiveReading:
         self.end: Executor | None = None
         self.is_done = False
         self._goes_on = False
+        self._resumed = False
         self._earlier: LiveReading | None = None  # of the text before, while this one may meet it
         self._change: TextChange | None = None
         self._run = executor_of(source, self.settings)
@@ -100,6 +102,9 @@ class LiveReading:
 
     def _step(self) -> None:
         run = self._run
+        if run.over and self._resumed and any(one.code == _ENDLESS for one in run.run.findings):
+            self._begin(self.source)  # after how many blocks it is noticed depends on all of them
+            return
         if run.over:
             self._end()
             return
@@ -177,6 +182,7 @@ class LiveReading:
         for line, block in before.first.items():
             if block < last.blocks:
                 self.first[line], self.last[line] = block, before.last[line]
+        self._resumed = True
         self._run = copied(last.executor, file)
         self._run.run.source = self.source
 
