@@ -37,7 +37,10 @@ class Shifted:
 
 
 def shifted_work(cell: Cell, channel: str, system: str, shift: Array) -> Shifted:
-    """The outermost frame that carries work system `system` (such as `G54`), moved by `shift` (3,) [m] in the world."""
+    """The outermost frame that carries work system `system` (such as `G54`), moved by `shift` (3,) [m] in the world.
+
+    What stands on a positioner is moved on it, the shift as it is seen with its axes at zero.
+    """
     own = cell.channels[channel]
     if system not in own.work_offsets:
         raise NotMovableError(f"the cell gives no place of {system}")
@@ -78,9 +81,12 @@ def shifted_robot(cell: Cell, robot: str, shift: Array) -> Shifted:
 
 def _moved(cell: Cell, keys: tuple[str, ...], place: Place, shift: Array) -> Shifted:
     parent = place.frame or WORLD
-    if parent not in cell.frames:
+    platforms = {link: X for robot in cell.robots.values() for link, X in robot.platforms.items()}
+    platforms |= {link.rpartition("/")[2]: X for link, X in platforms.items()}
+    X_WA = cell.frames.get(parent) or platforms.get(parent)
+    if X_WA is None:
         raise NotMovableError(f"`{'.'.join(keys)}` stands on {parent}, which moves")
-    x, y, z = (place.xyz + applied(cell.frames[parent].inverse().R, shift)).tolist()
+    x, y, z = (place.xyz + applied(X_WA.inverse().R, shift)).tolist()
     return Shifted(keys=keys, xyz=(x, y, z))
 
 

@@ -184,10 +184,10 @@ def on_joint(mover: Mover, frame: str) -> tuple[int, Pose]:
     X_BF: Array = mover.seen_from_base(link, zero)[0]
     if joint == BASE_JOINT:
         return joint, Pose.from_matrix(X_BF)
-    return joint, Pose.from_matrix(multiplied(inverse_pose(_joint_at_zero(tree, joint)[None])[0], X_BF))
+    return joint, Pose.from_matrix(multiplied(inverse_pose(joint_at_zero(tree, joint)[None])[0], X_BF))
 
 
-def _joint_at_zero(tree: Tree, joint: int) -> Array:
+def joint_at_zero(tree: Tree, joint: int) -> Array:
     """Pose (4, 4) of a joint in the base with all joints at zero."""
     X: Array = np.eye(4)
     while joint >= 0:

@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.arithmetic.distinct import distinct
-from gcodesim.checks.machine_bodies import BASE_JOINT, CarriedBody, MachineBodies, may_meet_by_motion
+from gcodesim.arithmetic.matrices import applied
+from gcodesim.checks.machine_bodies import CarriedBody, MachineBodies, joint_at_zero, may_meet_by_motion
 from gcodesim.checks.machine_collisions import body_in_words, of_machine_itself
 from gcodesim.checks.meetings import MovingBodies
 from gcodesim.checks.rigid import RigidBody
@@ -44,14 +45,15 @@ class Postures:
         return Postures(checks.machine, checks.tools, np.asarray(home, dtype=float), checks.apart)
 
     def shifted(self, shift: Array) -> Postures:
-        """The same where all that goes along with the work has been moved by (3,) [m] in the base."""
-        moved = Pose(np.asarray(shift, dtype=float), np.eye(3))
+        """The same where all that goes along with the work has been moved by (3,) [m] in the base, joints at zero."""
 
         def at(body: CarriedBody) -> CarriedBody:
-            if body.role == "link" or body.rigid.name not in self.along or body.carrier != BASE_JOINT:
+            if body.role == "link" or body.rigid.name not in self.along:
                 return body
+            R_BJ = joint_at_zero(self.machine.tree, body.carrier)[:3, :3]
+            moved = Pose(applied(R_BJ.T, np.asarray(shift, dtype=float)), np.eye(3))
             solids = tuple(solid.at(moved) for solid in body.rigid.solids)
-            return replace(body, rigid=RigidBody(name=body.rigid.name, solids=solids))
+            return replace(body, rigid=RigidBody(name=body.rigid.name, solids=solids, carrier=body.carrier))
 
         machine = replace(self.machine, bodies=tuple(at(body) for body in self.machine.bodies))
         return replace(self, machine=machine, _known={})

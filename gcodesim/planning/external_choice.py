@@ -7,6 +7,7 @@ moves everything evenly; its places are smoothed, and the arm's own search then 
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import product
 from typing import TYPE_CHECKING, Final
 
@@ -110,16 +111,13 @@ def choose_places(
     """
     outside = guide.outside
     assert outside is not None
-    words = path.start[probe.row] + probe.share[:, None] * (path.end[probe.row] - path.start[probe.row])
-    values = outside.commanded(words)
+    values, tools = _commanded(path, probe, outside)
     share = np.zeros(len(values))
     knots: list[NDArray[np.int64]] = []
-    total = max(len(values), 1)
     before = home[outside.assembly.externals], home[outside.assembly.own]
-    tools = np.array([state.tool for state in path.states], dtype=np.int64)[path.state[probe.row]]
     for k, (a, b) in enumerate(probe.chains):
         share[a:b] = _shares(path, probe.row[a:b], probe.share[a:b])
-        chosen = distinct(np.rint(np.linspace(a, b - 1, max(_RUNGS * (b - a) // total, _FEWEST))).astype(np.int64))
+        chosen = _rungs_between(a, b, len(values))
         found = None
         for avoided in dict.fromkeys((obstacles, None)):
             search = _Search(probe, guide, values, chosen, spin, branches, avoided, tools)
@@ -134,6 +132,71 @@ def choose_places(
             values[a:b, axis] = np.interp(share[a:b], share[chosen], places[:, axis])
         before = values[b - 1], q[-1]
     return ChosenPlaces(values, share, knots, probe.number)
+
+
+def _commanded(path: ToolPath, probe: SampledPath, outside: Outside) -> tuple[Array, NDArray[np.int64]]:
+    """Values (k, e) of the external axes at the poses of `probe` as far as words command them, and the tools (k,)."""
+    words = path.start[probe.row] + probe.share[:, None] * (path.end[probe.row] - path.start[probe.row])
+    numbers = np.array([state.tool for state in path.states], dtype=np.int64)
+    return outside.commanded(words), numbers[path.state[probe.row]]
+
+
+def _rungs_between(first: int, end: int, total: int) -> NDArray[np.int64]:
+    """Which of the poses from `first` to the one before `end`, of `total` ones, are the rungs of their chain."""
+    count = max(_RUNGS * (end - first) // max(total, 1), _FEWEST)
+    return distinct(np.rint(np.linspace(first, end - 1, count)).astype(np.int64))
+
+
+@frozen(eq=False)
+class OutsideCut:
+    """One chain of a path of an arm with external axes, wherever those that are free may stand."""
+
+    probe: SampledPath
+    guide: Guide
+    values: Array
+    chosen: NDArray[np.int64]
+    spin: float | None
+    branches: tuple[int, ...] | None
+    obstacles: Obstacles | None
+    tools: NDArray[np.int64]
+
+    @staticmethod
+    def of(
+        path: ToolPath,
+        probe: SampledPath,
+        guide: Guide,
+        *,
+        spin: float | None,
+        branches: tuple[int, ...] | None,
+        obstacles: Obstacles | None,
+    ) -> list[OutsideCut]:
+        """All chains of `path`; origins and axes of `probe` are in the work."""
+        assert guide.outside is not None
+        values, tools = _commanded(path, probe, guide.outside)
+        return [
+            OutsideCut(
+                probe=probe,
+                guide=guide,
+                values=values,
+                chosen=_rungs_between(a, b, len(values)),
+                spin=spin,
+                branches=branches,
+                obstacles=obstacles,
+                tools=tools,
+            )
+            for a, b in probe.chains
+        ]
+
+    def margin(self, shift: Array) -> float:
+        """The most room [rad] of the joints of the arm to their limits with the work shifted by (3,) [m] in B.
+
+        Negative: there is no way.
+        """
+        probe = replace(self.probe, p_BO=self.probe.p_BO + shift)
+        obstacles = None if self.obstacles is None else self.obstacles.shifted(shift)
+        return _Search(
+            probe, self.guide, self.values, self.chosen, self.spin, self.branches, obstacles, self.tools
+        ).room()
 
 
 def _shares(path: ToolPath, row: NDArray[np.intp], share: Array) -> Array:
@@ -178,9 +241,7 @@ class _Search:
 
     def best(self, before: tuple[Array, Array], *, pinned: bool) -> tuple[Array, Array] | None:
         """Values (r, e) of the external axes and joints (r, j) of the arm; None: there is no way."""
-        count = _PLACES[len(self.free)]
-        grid = np.array(list(product(*(np.linspace(a, b, count) for a, b in zip(self.low, self.high, strict=True)))))
-        tried = np.tile(grid, (len(self.rows), 1, 1))
+        tried = self._everywhere()
         found = None
         for finer in (1.0, *_FINER):
             if found is not None:
@@ -197,14 +258,31 @@ class _Search:
             places[1:-1] = 0.25 * places[:-2] + 0.5 * places[1:-1] + 0.25 * places[2:]
         return places, q
 
+    def room(self) -> float:
+        """The most room [rad] to limits of the arm on the grid of places; negative where there is no way."""
+        rungs, values = self._rungs(self._everywhere())
+        if not rungs.counts.all():
+            return -1.0
+        return float(widest(rungs.ladder, link(rungs.ladder, self._bound(rungs, values), True)))
+
+    def _everywhere(self) -> Array:
+        """All places of the chosen axes on the grid, for each rung (r, c, f)."""
+        count = _PLACES[len(self.free)]
+        grid = np.array(list(product(*(np.linspace(a, b, count) for a, b in zip(self.low, self.high, strict=True)))))
+        return np.tile(grid, (len(self.rows), 1, 1))
+
+    def _bound(self, rungs: Rungs, values: Array) -> Array:
+        """How far each joint may go from rung to rung."""
+        e = values.shape[1]
+        return np.concatenate([2.5 * self._apart(), np.full(rungs.ladder.q.shape[1] - e, _WIDE)])
+
     def _through(self, tried: Array, before: tuple[Array, Array]) -> tuple[Array, Array] | None:
         """The best way with the chosen axes at one of the places `tried` (r, c, f) in each rung."""
         rungs, values = self._rungs(tried)
         if not rungs.counts.all():
             return None
         e = values.shape[1]
-        bound = np.concatenate([2.5 * self._apart(), np.full(rungs.ladder.q.shape[1] - e, _WIDE)])
-        rails = link(rungs.ladder, bound, True)
+        rails = link(rungs.ladder, self._bound(rungs, values), True)
         best = widest(rungs.ladder, rails)
         if best < 0.0:
             return None
@@ -224,7 +302,7 @@ class _Search:
         r, c = tried.shape[:2]
         s = len(self.spins)
         values = np.repeat(self.values, c, axis=0)
-        values[:, self.free] = tried.reshape(r * c, -1)
+        values[:, self.free] = tried.reshape(r * c, len(self.free))
         row = np.repeat(self.rows, c)
         p, R = self.guide.from_arm(np.repeat(self.p, c, axis=0), np.repeat(self.R, c, axis=0), row, values)
         X = np.repeat(flange_poses(p, R, 0.0), s, axis=0)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import replace
 from itertools import product
 from typing import TYPE_CHECKING, Final
 
@@ -13,12 +15,15 @@ from gcodesim.frames import Array
 from gcodesim.frozen import frozen
 from gcodesim.planning.arm_joints import ArmJoints
 from gcodesim.planning.configuration import grid
+from gcodesim.planning.external_choice import OutsideCut
 from gcodesim.planning.fixed_attitude import FixedAttitude
+from gcodesim.planning.joint_rows import JointRows
 from gcodesim.planning.ladder import Passage, rungs_of
 from gcodesim.planning.ladder_kernels import link, widest
 from gcodesim.planning.legs import LegJoints
 from gcodesim.planning.nodes import Nodes
 from gcodesim.planning.route import cut_through
+from gcodesim.planning.spin_choice import SampledPath
 
 if TYPE_CHECKING:
     from gcodesim.kinematics.protocol import Kinematics
@@ -46,10 +51,15 @@ class Spot:
         return self.margin >= 0.0
 
 
+def _paths_of(plan: Plan) -> list[ArmJoints]:
+    """The joints of each leg."""
+    legs = plan.joint_path.legs if isinstance(plan.joint_path, LegJoints) else (plan,)
+    return [leg.joint_path for leg in legs if isinstance(leg.joint_path, ArmJoints)]
+
+
 def cuts_of(plan: Plan, posing: FixedAttitude) -> list[Passage]:
     """What an arm has to run without a jump, one cut for each stretch between joint moves, and what stands around."""
-    legs = plan.joint_path.legs if isinstance(plan.joint_path, LegJoints) else (plan,)
-    paths = [leg.joint_path for leg in legs if isinstance(leg.joint_path, ArmJoints)]
+    paths = _paths_of(plan)
     total = sum(len(path.nodes) for path in paths)
     free = posing.spin is None
     cuts = []
@@ -64,6 +74,37 @@ def cuts_of(plan: Plan, posing: FixedAttitude) -> list[Passage]:
             for chain in range(len(nodes.chains))
         ]
     return cuts
+
+
+def outside_cuts_of(plan: Plan, posing: FixedAttitude) -> list[OutsideCut]:
+    """The same of an arm with external axes."""
+    cuts = []
+    for path in _paths_of(plan):
+        pieces, guide = path.flange.pieces, path.flange.guide
+        assert guide is not None
+        joint = np.zeros(len(pieces.path), dtype=bool)
+        joint[pieces.row_first[pieces.fixed]] = True
+        at_home = pieces.fixed.copy()
+        at_home[path.nodes.piece[path.nodes.head]] = False
+        home = np.zeros(len(joint), dtype=bool)
+        home[pieces.row_first[at_home]] = True
+        rows = JointRows(pieces.path, joint, home)
+        work = SampledPath.of(rows, path.flange.R_BO, replace(guide, outside=None), path.flange.bend)
+        cuts += OutsideCut.of(
+            pieces.path, work, guide, spin=posing.spin, branches=posing.branches, obstacles=posing.obstacles
+        )
+    return cuts
+
+
+def margin_outside(cuts: list[OutsideCut], shift: Array) -> float:
+    """The most room [rad] to joint limits with all cuts shifted by (3,) [m] in B; `NOWHERE` without a way."""
+    least = np.inf
+    for cut in cuts:
+        margin = cut.margin(shift)
+        if margin < 0.0:
+            return NOWHERE
+        least = min(least, margin)
+    return float(least)
 
 
 def margin_at(kinematics: Kinematics, cuts: list[Passage], shift: Array, branches: tuple[int, ...] | None) -> float:
@@ -94,10 +135,15 @@ def places(
     branches: tuple[int, ...] | None,
 ) -> list[Spot]:
     """All places on a grid of `step` [m] whose shifts are `within` (3,) [m] of the present one, the nearest first."""
+    return places_by(lambda shift: margin_at(kinematics, cuts, shift, branches), R_BW, within, step)
+
+
+def places_by(margin: Callable[[Array], float], R_BW: Array, within: Array, step: float) -> list[Spot]:
+    """The same by the `margin` [rad] of each shift (3,) [m] in B."""
     counts = [int(np.floor(w / step + 1e-9)) for w in within]
     shifts = [step * np.array(c, dtype=float) for c in product(*(range(-n, n + 1) for n in counts))]
     shifts.sort(key=lambda shift: (dot(shift, shift), *(-shift)))
-    return [Spot(shift, margin_at(kinematics, cuts, applied(R_BW, shift), branches)) for shift in shifts]
+    return [Spot(shift, margin(applied(R_BW, shift))) for shift in shifts]
 
 
 def best_place(found: list[Spot], step: float) -> Spot | None:

@@ -4,6 +4,8 @@ import json
 import subprocess
 import sys
 
+import pytest
+
 PROGRAM = "G21 G90 G17\nT1 M6\nM3 S9000\nG0 X0 Y0 Z50\nG1 Z0 F2000\nG1 X200\nG1 Y200\nG0 Z50\nM5\nM2\n"
 CELL = """gcodesim: 1
 frames:
@@ -107,3 +109,41 @@ def test_fixtures_on_the_frame_of_the_work_go_along(tmp_path):
     assert good_shifts(tmp_path) == [[0.0, 0.0, 0.0], [0.0, 200.0, 0.0]]
     files(tmp_path, POST % "table, xyz: [100, -260, -50]")
     assert len(good_shifts(tmp_path)) == 3
+
+
+EXTERNALS = {
+    "rail": """externals:
+  rail: {carries: arm, free: true, axes: {U: {travel: [0, 2 m], speed: 1 m/s, acceleration: 2 m/s^2}}}
+work_offsets: {G54: {in: table}}
+frames: {table: {in: world, xyz: [900, FAR, 300]}}
+""",
+    "positioner": """externals:
+  table:
+    axes: {C: {travel: [-180, 180 deg], speed: 90 deg/s, acceleration: 300 deg/s^2}}
+    base: {in: world, xyz: [620, 0, 250]}
+work_offsets: {G54: {in: table, xyz: [0, FAR, 60]}}
+""",
+}
+
+
+@pytest.mark.parametrize(("name", "step"), [("rail", 1000), ("positioner", 700)])
+def test_external_axes_are_asked_at_each_place(tmp_path, name, step):
+    """The places are those at which a check of the whole program finds nothing out of reach."""
+    cell = CELL[: CELL.index("frames:")] + CELL[CELL.index("robots:") : CELL.index("work_offsets")]
+    cell += CELL[CELL.index("tools:") :] + EXTERNALS[name]
+    turned = " C40" if name == "positioner" else ""
+    program = f"G21 G90 G17\nT1 M6\nG43 H1\nG0 X0 Y0 Z50{turned}\nG1 Z0 F2000\nG1 X100\nG1 Y100\nG0 Z50\nM2\n"
+    (tmp_path / "part.nc").write_text(program)
+    (tmp_path / "cell.yaml").write_text(cell.replace("FAR", "0"))
+    within = f"0,{step},0"
+    said = gcodesim(
+        tmp_path, "place", "part.nc", "--cell", "cell.yaml", "--within", within, "--step", str(step), "--format", "json"
+    )
+    good = [y for _, y, _ in json.loads(said.stdout)["good_shifts_mm"]]
+    expected = []
+    for y in (0, step, -step):
+        (tmp_path / "cell.yaml").write_text(cell.replace("FAR", str(y)))
+        if gcodesim(tmp_path, "check", "part.nc", "--cell", "cell.yaml").returncode == 0:
+            expected.append(float(y))
+    assert 0.0 in good and len(good) < 3
+    assert good == expected

@@ -32,7 +32,8 @@ def add_parser(commands: Any) -> None:
         " reaches.",
         epilog="Everything that the program commands is shifted together, with the stock and the fixtures that stand"
         " on the same frame. A place is good if no link hits another link, the tool, a fixture or the stock as it"
-        " is at the start; ways between cuts are not asked: look at the proposal with `gcodesim check`.",
+        " is at the start; ways between cuts are not asked: look at the proposal with `gcodesim check`. External axes"
+        " stand as commanded, or where the arm has most room.",
     )
     add_program(parser)
     add_cell(parser, required=True)
@@ -62,7 +63,7 @@ def run(arguments: argparse.Namespace) -> int:
     from gcodesim.cli.output import print_json
     from gcodesim.jobs.job import Options
     from gcodesim.planning.fixed_attitude import FixedAttitude
-    from gcodesim.planning.place import best_place, cuts_of, places
+    from gcodesim.planning.place import best_place, cuts_of, margin_outside, outside_cuts_of, places, places_by
     from gcodesim.planning.shop_posing import posing_of
     from gcodesim.simulation import prepare
     from gcodesim.units import MM
@@ -80,16 +81,20 @@ def run(arguments: argparse.Namespace) -> int:
     shop, posing = job.shop, posing_of(job.shop)
     if not isinstance(posing, FixedAttitude):
         raise UsageError("`place` is for arms; on a machine tool GS201 names the shift that fits")
-    if posing.outside is not None:
-        raise UsageError("`place` does not know external axes; with `free: true` they go where the arm has room")
+    if posing.outside is not None and arguments.out is not None:
+        raise UsageError("the region of an arm with external axes is not drawn: leave out --out")
     systems = sorted({state.system for state in job.plan.path.states})
     posing = replace(posing, obstacles=_obstacles(shop, systems, arguments.arm))
-    cuts = cuts_of(job.plan, posing)
-    if not cuts:
+    cuts = cuts_of(job.plan, posing) if posing.outside is None else []
+    outside = [] if posing.outside is None else outside_cuts_of(job.plan, posing)
+    if not (cuts or outside):
         raise UsageError("the program moves nothing along a path")
     R_BW = shop.X_WB.inverse().R
     within, step = np.array(arguments.within) * MM, arguments.step * MM
-    found = places(shop.kinematics, cuts, R_BW, within, step, posing.branches)
+    if outside:
+        found = places_by(lambda shift: margin_outside(outside, shift), R_BW, within, step)
+    else:
+        found = places(shop.kinematics, cuts, R_BW, within, step, posing.branches)
     now, best = found[0], best_place(found, step)
     shift = None if best is None else (-best.shift if arguments.arm else best.shift)
     moved = [] if shift is None else _moved(shop, systems, shift, arguments.arm)
