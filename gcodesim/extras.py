@@ -13,7 +13,9 @@ EXTRAS: Final = {
     "plot": ("matplotlib",),
     "report": ("metaflow-card-uplot",),
     "ros": ("rosbags",),
+    "rosbridge": ("roslibpy",),
     "scale": ("distributed", "pyarrow", "cryptography"),
+    "usd": ("usd-core",),
 }
 """The packages of each extra that a command may need, as package indexes name them."""
 

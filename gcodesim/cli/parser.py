@@ -24,6 +24,7 @@ COMMANDS = (
     "info",
     "export",
     "post",
+    "ros",
     "plot",
     "report",
     "test",

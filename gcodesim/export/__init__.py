@@ -19,6 +19,7 @@ EXPORTERS = Family(
     png="gcodesim.export.heights:HeightPicture",
     npz="gcodesim.export.heights:HeightNumbers",
     rosbag2="gcodesim.export.rosbag:RosBag",
+    usd="gcodesim.export.usd:Usd",
     **_NOT_WORDS,
 )
 

@@ -9,6 +9,7 @@ from typing import Any, ClassVar, Final, Literal
 import numpy as np
 
 from gcodesim.export.exporter import RANGE, Exporter, NoExportError, Option, Request
+from gcodesim.export.joint_trajectory import KIND, TOPIC, JointTrajectory
 from gcodesim.export.select import TimeRange
 from gcodesim.export.table import NoTableError
 from gcodesim.extras import require_extra
@@ -16,7 +17,10 @@ from gcodesim.log.shop_units import without_twins
 from gcodesim.playback.recording import Recording
 from gcodesim.units import NS_PER_SECOND
 
-TOPICS: Final = ("/tf_static", "/tf", "/joint_states", "/target", "/tcp", "/motion", "/process", "/wrench", "/log")
+TOPICS: Final = (
+    *("/tf_static", "/tf", "/joint_states", "/joint_trajectory"),
+    *("/target", "/tcp", "/motion", "/process", "/wrench", "/log"),
+)
 _LEVELS: Final = {"note": 20, "warning": 30, "error": 40}  # rcl_interfaces/msg/Log
 _NO_FRAME = "world"
 
@@ -101,6 +105,7 @@ def _messages(recording: Recording, types: Any, topics: Sequence[str], part: Tim
         "/tf_static": _static,
         "/tf": _moving,
         "/joint_states": _joints,
+        "/joint_trajectory": _trajectory,
         "/target": _pose("/target"),
         "/tcp": _pose("/tcp"),
         "/motion": _motion,
@@ -193,6 +198,50 @@ def _joints(recording: Recording, ros: _Types, part: TimeRange) -> Iterator[BagM
             header=ros.header(t_ns, ""), name=names, position=position[i], velocity=velocity[i], effort=effort[i]
         )
         yield t_ns, "/joint_states", kind, content
+
+
+def _trajectory(recording: Recording, ros: _Types, part: TimeRange) -> Iterator[BagMessage]:
+    """All commanded joints in one message, as controllers of ros2_control take them."""
+    told = JointTrajectory.of(recording, part)
+    if not len(told.t_ns):
+        return
+    point, duration = "trajectory_msgs/msg/JointTrajectoryPoint", "builtin_interfaces/msg/Duration"
+    none = np.zeros(0)
+    points = [
+        ros.types[point](
+            positions=q,
+            velocities=v,
+            accelerations=none,
+            effort=none,
+            time_from_start=ros.types[duration](sec=int(t) // NS_PER_SECOND, nanosec=int(t) % NS_PER_SECOND),
+        )
+        for t, q, v in zip(told.t_ns, told.position, told.velocity, strict=True)
+    ]
+    content = ros.types[KIND](header=ros.header(part.first_ns, ""), joint_names=list(told.names), points=points)
+    yield part.first_ns, TOPIC, KIND, content
+
+
+def read_states(folder: Path, topic: str) -> list[dict[str, Any]]:
+    """The messages sensor_msgs/JointState of a topic of a bag, as rosbridge would send them.
+
+    OSError, or ValueError where the folder is no bag; ExtraMissingError without `rosbags`.
+    """
+    require_extra("ros", "a ROS 2 bag")
+    from rosbags.highlevel import AnyReader, AnyReaderError
+    from rosbags.typesys import Stores, get_typestore
+
+    found: list[dict[str, Any]] = []
+    try:
+        with AnyReader([folder], default_typestore=get_typestore(Stores.ROS2_HUMBLE)) as reader:
+            wanted = [one for one in reader.connections if one.topic == topic and one.msgtype.endswith("/JointState")]
+            for connection, _, raw in reader.messages(wanted) if wanted else ():
+                message: Any = reader.deserialize(raw, connection.msgtype)
+                stamp = {"sec": message.header.stamp.sec, "nanosec": message.header.stamp.nanosec}
+                told = {"name": list(message.name), "position": [float(v) for v in message.position]}
+                found.append({"header": {"stamp": stamp}, **told})
+    except AnyReaderError as error:
+        raise ValueError(str(error)) from None
+    return found
 
 
 def _motion(recording: Recording, ros: _Types, part: TimeRange) -> Iterator[BagMessage]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from math import sqrt
 
 from gcodesim.importers.axes import ImportedAxis, machine_lines
 from gcodesim.importers.importer import written
@@ -26,7 +27,7 @@ def printer_lines(
     yield "work_offsets: {G54: {xyz: [0, 0, 0]}}"
     x, y, z = (axes[letter] for letter in "XYZ")
     low, high = (x.lower or 0.0, y.lower or 0.0), (x.upper or 0.0, y.upper or 0.0)
-    grain = min(_LARGEST_GRAIN, max(0.1, ((high[0] - low[0]) * (high[1] - low[1]) / _COLUMNS) ** 0.5))
+    grain = min(_LARGEST_GRAIN, max(0.1, sqrt((high[0] - low[0]) * (high[1] - low[1]) / _COLUMNS)))
     corners = [f"{written(low[0])}, {written(low[1])}, {written(-_BED)}", f"{written(high[0])}, {written(high[1])}, 0"]
     size = f"min: [{corners[0]}], max: [{corners[1]} mm]"
     yield f"stock: {{{size}, in: G54, resolution: {written(round(grain, 2))} mm}}  # the bed"

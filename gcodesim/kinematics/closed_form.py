@@ -43,6 +43,7 @@ class ClosedForm(Machine):
     family: ClassVar[int]
     centre_name: ClassVar[str]
     wrist_name: ClassVar[str]
+    has_wrist_centre: ClassVar[bool] = False
 
     @staticmethod
     def plane_arm(

@@ -29,6 +29,7 @@ class SphericalWrist(ClosedForm):
     family: ClassVar[int] = SPHERICAL_WRIST
     centre_name: ClassVar[str] = "wrist centre"
     wrist_name: ClassVar[str] = "angle between axes 4 and 6"
+    has_wrist_centre: ClassVar[bool] = True
 
     @staticmethod
     def of(chain: Chain) -> SphericalWrist | None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, cast
 
 from gcodesim.arithmetic.elementary import cos_sin
 from gcodesim.arithmetic.matrices import applied
@@ -11,6 +11,7 @@ from gcodesim.frames import Array
 from gcodesim.frozen import frozen
 
 if TYPE_CHECKING:
+    from gcodesim.kinematics.closed_form import ClosedForm
     from gcodesim.kinematics.protocol import Kinematics
 
 _CENTRED: Final = 1e-9  # [m] of joint 2 from axis 1 that count as none
@@ -36,14 +37,13 @@ def posture_of(kinematics: Kinematics, q: Array) -> Posture | None:
     An arm looks to the side of axis 1 on which joint 2 is; where joint 2 is on axis 1, to where a positive joint 2
     lowers an upright upper arm.
     """
-    from gcodesim.kinematics.spherical_wrist import SphericalWrist
-
-    if not isinstance(kinematics, SphericalWrist):
+    if not getattr(kinematics, "has_wrist_centre", False):
         return None
-    arm = kinematics.arm
+    wristed = cast("ClosedForm", kinematics)
+    arm = wristed.arm
     up = 1.0 if arm.R_PB[2, 2] >= 0.0 else -1.0
     front = up if abs(arm.x2) < _CENTRED else math.copysign(1.0, arm.x2)
-    x, y, _ = applied(arm.R_PB, kinematics.centre(kinematics.forward(q[None]))[0] - arm.p_BP)
+    x, y, _ = applied(arm.R_PB, wristed.centre(wristed.forward(q[None]))[0] - arm.p_BP)
     cosine, sine = cos_sin(float(q[0]))
     elbow = up * front * _wrapped(arm.sign3 * float(q[2]) - arm.straight)
     return Posture(

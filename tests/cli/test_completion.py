@@ -191,7 +191,7 @@ def test_every_value_says_what_it_may_be() -> None:
     lengths = {"MM", "X,Y,Z"}
     assert free - lengths == {
         *("N", "S", "DAY", "PORT", "T", "FROM:TO", "FIRST:LAST", "NAME=VALUE", "NAME=PROGRAM", "A,B", "NAME"),
-        "NAME=OUTPUT",
+        *("NAME=OUTPUT", "HOST:PORT", "DEG"),
         *("0|1", "FACTOR", "STEP", "OPTIONS"),
     }
 

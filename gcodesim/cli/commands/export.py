@@ -40,6 +40,7 @@ _HELP = """formats:
   png      heights of the part as a picture: 16 bit grey, white is high, black nothing; Y upwards
   npz      heights of the part for numpy: x_mm (n), y_mm (m), z_mm (n, m), NaN where nothing is left
   rosbag2  a folder that ROS 2 tools read: /tf, /joint_states, /wrench, /robot_description …
+  usd      an OpenUSD stage with animation: links, tool, path, stock before and after; in m, Z up
 `gcodesim list exporters` names those of other packages too.
 
 examples:
@@ -52,7 +53,7 @@ examples:
 def add_parser(commands: Any) -> None:
     parser = commands.add_parser(
         "export",
-        help="a log as CSV, JSON lines, STL, PLY, 3MF, GLB or ROS 2 bag",
+        help="a log as CSV, JSON lines, STL, PLY, 3MF, GLB, OpenUSD or ROS 2 bag",
         description="Write what a log holds in a format of other programs.",
         epilog=_HELP,
         formatter_class=argparse.RawDescriptionHelpFormatter,

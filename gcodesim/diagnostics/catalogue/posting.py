@@ -49,4 +49,12 @@ CODES: Final = (
         why="Corners may be cut farther, or less far, than in the run.",
         remedy="Run the first corners at reduced speed, or use exact stops (G61.1) where it matters.",
     ),
+    Code(
+        code="GS805",
+        severity=Severity.ERROR,
+        title="A real joint was off the run",
+        what="Joint states of an arm that followed a run were compared with it: a joint was farther off than allowed.",
+        why="What was checked is not what the arm did: clearances and margins of the run do not hold.",
+        remedy="Slow the program down, look at gains and limits of the controller, or allow more by `--tolerance`.",
+    ),
 )
