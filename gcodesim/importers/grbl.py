@@ -9,11 +9,11 @@ from typing import ClassVar, Final
 
 from gcodesim.importers.axes import ImportedAxis, machine_lines, zero_lines
 from gcodesim.importers.importer import (
+    FoundSetting,
+    FoundSettings,
     Imported,
     Importer,
     NoSettingsError,
-    Setting,
-    Settings,
     heading,
     number_in,
     read_text,
@@ -53,7 +53,7 @@ class Grbl(Importer):
     says: ClassVar[str] = "the list of settings of `$$`, with that of `$#` behind it: travel, speeds, spindle, laser"
 
     def read(self, path: Path, folder: Path) -> Imported:
-        settings = Settings(list(_settings(path)))
+        settings = FoundSettings(list(_settings(path)))
         if not any(setting.name == f"${_SPEED}" for setting in settings.all):
             raise NoSettingsError(f"{path} has no ${_SPEED}: it is no list of the settings of grbl")
         axes = dict(_axes(settings))
@@ -66,17 +66,17 @@ class Grbl(Importer):
         return Imported(what="list of settings of grbl", lines=tuple(lines), taken=taken, left=left)
 
 
-def _settings(path: Path) -> Iterator[Setting]:
+def _settings(path: Path) -> Iterator[FoundSetting]:
     for number, line in enumerate(read_text(path).splitlines(), start=1):
         if found := _LINE.match(line):
-            yield Setting(f"${found[1]}", found[2], path.name, number)
+            yield FoundSetting(f"${found[1]}", found[2], path.name, number)
         elif offset := _OFFSET.match(line):
-            yield Setting(offset[1], offset[2], path.name, number)
+            yield FoundSetting(offset[1], offset[2], path.name, number)
         elif line.strip() and not re.match(r"\s*(ok|Grbl|>|\[MSG|\[HLP|\[VER|\[OPT|<|\$[$#I]|;|\()", line):
-            yield Setting(line.strip(), "", path.name, number)
+            yield FoundSetting(line.strip(), "", path.name, number)
 
 
-def _axes(settings: Settings) -> Iterator[tuple[str, ImportedAxis]]:
+def _axes(settings: FoundSettings) -> Iterator[tuple[str, ImportedAxis]]:
     """Machine zero is where the axes are after homing, and everything else lies on the negative side."""
     towards = int(settings.number(_DIRECTIONS) or 0)
     pull = settings.number(_PULL_OFF) or 0.0
@@ -100,7 +100,7 @@ def _axes(settings: Settings) -> Iterator[tuple[str, ImportedAxis]]:
         )
 
 
-def _offsets(settings: Settings) -> list[str]:
+def _offsets(settings: FoundSettings) -> list[str]:
     """Work systems as `$#` lists them."""
     systems = []
     for number in range(4, 10):
@@ -115,14 +115,14 @@ def _offsets(settings: Settings) -> list[str]:
     return [f"work_offsets: {{{', '.join(systems)}}}"] if systems else []
 
 
-def _spindle(settings: Settings) -> list[str]:
+def _spindle(settings: FoundSettings) -> list[str]:
     fastest = settings.number(_FASTEST)
     if settings.number(_LASER):
         return [f"laser_mode: {written(fastest or 1000.0)}"]
     return [f"limits: {{spindle_speed: {written(fastest)} rpm}}"] if fastest else []
 
 
-def _reasons(settings: Settings) -> list[tuple[str, str, bool]]:
+def _reasons(settings: FoundSettings) -> list[tuple[str, str, bool]]:
     """The reasons by whole names: $10 is not $100."""
     whole = {setting.name for setting in settings.all}
     exact = [entry for entry in _REASONS if entry[0] in whole and entry[0] in _EXACT]

@@ -18,7 +18,7 @@ class NoSettingsError(ValueError):
 
 
 @frozen(kw_only=False)
-class Setting:
+class FoundSetting:
     """`name` = `value` in line `line` of `file`; names have their section in front, as `[TRAJ]LINEAR_UNITS`."""
 
     name: str
@@ -31,7 +31,7 @@ class Setting:
 class LeftOut:
     """A setting that is not in the cell, and why. `matters`: the machine moves by it."""
 
-    setting: Setting
+    setting: FoundSetting
     why: str
     matters: bool = False
 
@@ -51,24 +51,24 @@ class Imported:
 
 
 @dataclass(slots=True)
-class Settings:
+class FoundSettings:
     """All settings of a file; who asks for one has taken it."""
 
-    all: list[Setting]
-    _taken: set[Setting] = field(default_factory=set)
-    _reasons: dict[Setting, LeftOut] = field(default_factory=dict)
+    all: list[FoundSetting]
+    _taken: set[FoundSetting] = field(default_factory=set)
+    _reasons: dict[FoundSetting, LeftOut] = field(default_factory=dict)
 
-    def values(self, name: str) -> list[Setting]:
+    def values(self, name: str) -> list[FoundSetting]:
         """All settings of this name, in the order of the file; they count as taken."""
         found = [setting for setting in self.all if setting.name.upper() == name.upper()]
         self._taken.update(found)
         return found
 
-    def take(self, setting: Setting) -> None:
+    def take(self, setting: FoundSetting) -> None:
         """Say that a setting is in the cell."""
         self._taken.add(setting)
 
-    def last(self, name: str) -> Setting | None:
+    def last(self, name: str) -> FoundSetting | None:
         """The last setting of this name, which is the one that holds."""
         found = self.values(name)
         return found[-1] if found else None
@@ -88,7 +88,7 @@ class Settings:
             self.leave(found, "no number", matters=True)
         return value
 
-    def leave(self, setting: Setting, why: str, *, matters: bool = False) -> None:
+    def leave(self, setting: FoundSetting, why: str, *, matters: bool = False) -> None:
         """Say why a setting is not in the cell, although it was looked at."""
         self._reasons[setting] = LeftOut(setting, why, matters)
 

@@ -6,20 +6,20 @@ import re
 from pathlib import Path
 from typing import Final
 
-from gcodesim.importers.importer import NoSettingsError, Setting, read_text
+from gcodesim.importers.importer import FoundSetting, NoSettingsError, read_text
 
 _MOST_FILES: Final = 50
 _SECTION: Final = re.compile(r"\[([^\]]*)\]")
 
 
-def read_linuxcnc_ini(path: Path) -> list[Setting]:
+def read_linuxcnc_ini(path: Path) -> list[FoundSetting]:
     """Settings `[SECTION]NAME`, lines that go on after a backslash joined, `#INCLUDE` followed."""
-    found: list[Setting] = []
+    found: list[FoundSetting] = []
     _linuxcnc(path, "", found, [])
     return found
 
 
-def _linuxcnc(path: Path, section: str, found: list[Setting], opened: list[Path]) -> str:
+def _linuxcnc(path: Path, section: str, found: list[FoundSetting], opened: list[Path]) -> str:
     _open(path, opened)
     held, held_line = "", 0
     for number, raw in enumerate(read_text(path).splitlines(), start=1):
@@ -33,7 +33,7 @@ def _linuxcnc(path: Path, section: str, found: list[Setting], opened: list[Path]
             if name and (path.parent / name).is_file():
                 section = _linuxcnc(path.parent / name, section, found, opened)
             else:
-                found.append(Setting("#INCLUDE", name, path.name, first))
+                found.append(FoundSetting("#INCLUDE", name, path.name, first))
             continue
         if not line or line[0] in "#;":
             continue
@@ -44,21 +44,21 @@ def _linuxcnc(path: Path, section: str, found: list[Setting], opened: list[Path]
         name, equals, value = line.partition("=")
         value = re.sub(r"\s+[#;].*$", "", value)
         if equals:
-            found.append(Setting(f"[{section}]{name.strip()}", value.strip(), path.name, first))
+            found.append(FoundSetting(f"[{section}]{name.strip()}", value.strip(), path.name, first))
         else:
-            found.append(Setting(f"[{section}]{line}", "", path.name, first))
+            found.append(FoundSetting(f"[{section}]{line}", "", path.name, first))
     return section
 
 
-def read_klipper_config(path: Path) -> list[Setting]:
+def read_klipper_config(path: Path) -> list[FoundSetting]:
     """Settings `[section]name`; values over several indented lines are one; `[include file]` followed, as far as the
     file is there."""
-    found: list[Setting] = []
+    found: list[FoundSetting] = []
     _klipper(path, found, [])
     return found
 
 
-def _klipper(path: Path, found: list[Setting], opened: list[Path]) -> None:
+def _klipper(path: Path, found: list[FoundSetting], opened: list[Path]) -> None:
     _open(path, opened)
     section = ""
     for number, raw in enumerate(read_text(path).splitlines(), start=1):
@@ -67,7 +67,7 @@ def _klipper(path: Path, found: list[Setting], opened: list[Path]) -> None:
             continue
         if line[0] in " \t" and found and found[-1].file == path.name and section:
             last = found[-1]
-            found[-1] = Setting(last.name, f"{last.value} {line.strip()}".strip(), last.file, last.line)
+            found[-1] = FoundSetting(last.name, f"{last.value} {line.strip()}".strip(), last.file, last.line)
             continue
         head = _SECTION.match(line)
         if head is not None:
@@ -75,16 +75,16 @@ def _klipper(path: Path, found: list[Setting], opened: list[Path]) -> None:
             if section.startswith("include "):
                 _include(path, section[len("include ") :].strip(), number, found, opened)
             elif section.startswith(("gcode_macro", "homing_override", "delayed_gcode")):
-                found.append(Setting(f"[{section}]", "", path.name, number))
+                found.append(FoundSetting(f"[{section}]", "", path.name, number))
             continue
         name, sign, value = re.match(r"([^:=]*)([:=]?)(.*)", line, re.DOTALL).groups()  # type: ignore[union-attr]
-        found.append(Setting(f"[{section}]{name.strip()}", value.strip() if sign else "", path.name, number))
+        found.append(FoundSetting(f"[{section}]{name.strip()}", value.strip() if sign else "", path.name, number))
 
 
-def _include(path: Path, pattern: str, number: int, found: list[Setting], opened: list[Path]) -> None:
+def _include(path: Path, pattern: str, number: int, found: list[FoundSetting], opened: list[Path]) -> None:
     files = [] if ".." in pattern or pattern.startswith("/") else sorted(path.parent.glob(pattern))
     if not files:
-        found.append(Setting("[include]", pattern, path.name, number))
+        found.append(FoundSetting("[include]", pattern, path.name, number))
     for file in files:
         if file.is_file():
             _klipper(file, found, opened)

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import ClassVar, Final
 
 from gcodesim.importers.axes import ImportedAxis
-from gcodesim.importers.importer import Imported, Importer, NoSettingsError, Settings, heading
+from gcodesim.importers.importer import FoundSettings, Imported, Importer, NoSettingsError, heading
 from gcodesim.importers.ini_file import read_klipper_config
 from gcodesim.importers.printer import printer_lines
 
@@ -46,7 +46,7 @@ class Klipper(Importer):
     says: ClassVar[str] = "a printer.cfg: travel, speeds, accelerations, nozzles, filament"
 
     def read(self, path: Path, folder: Path) -> Imported:
-        settings = Settings(read_klipper_config(path))
+        settings = FoundSettings(read_klipper_config(path))
         kinematics = settings.text("[printer]kinematics").lower()
         if not kinematics:
             raise NoSettingsError(f"{path} has no [printer] with kinematics: it is no configuration of Klipper")
@@ -65,7 +65,7 @@ class Klipper(Importer):
         return Imported(what="configuration of Klipper", lines=tuple(lines), taken=taken, left=left)
 
 
-def _axes(settings: Settings, kinematics: str) -> dict[str, ImportedAxis]:
+def _axes(settings: FoundSettings, kinematics: str) -> dict[str, ImportedAxis]:
     speed, change = settings.number("[printer]max_velocity"), settings.number("[printer]max_accel")
     if not speed or not change:
         raise NoSettingsError("[printer] needs max_velocity and max_accel")
@@ -84,7 +84,7 @@ def _axes(settings: Settings, kinematics: str) -> dict[str, ImportedAxis]:
     return axes
 
 
-def _travel(settings: Settings, letter: str, kinematics: str) -> tuple[float, float]:
+def _travel(settings: FoundSettings, letter: str, kinematics: str) -> tuple[float, float]:
     """Least and greatest place [mm]; of a delta, the circle that it prints on."""
     if kinematics in _ROUND:
         radius = settings.number("[printer]print_radius") or settings.number("[printer]delta_radius") or 100.0

@@ -10,11 +10,11 @@ from typing import ClassVar, Final
 
 from gcodesim.importers.axes import ImportedAxis, machine_lines, zero_lines
 from gcodesim.importers.importer import (
+    FoundSetting,
+    FoundSettings,
     Imported,
     Importer,
     NoSettingsError,
-    Setting,
-    Settings,
     heading,
     number_in,
     quoted,
@@ -73,7 +73,7 @@ class LinuxCnc(Importer):
     says: ClassVar[str] = "an INI: axes, limits, speeds, kinematics, tool table, parameters, subroutines"
 
     def read(self, path: Path, folder: Path) -> Imported:
-        settings = Settings(read_linuxcnc_ini(path))
+        settings = FoundSettings(read_linuxcnc_ini(path))
         if not any(setting.name.upper().startswith(("[TRAJ]", "[AXIS_", "[KINS]")) for setting in settings.all):
             raise NoSettingsError(f"{path} has no [TRAJ], [KINS] or [AXIS_…]: it is no INI of LinuxCNC")
         machine = _Machine(settings, path)
@@ -90,7 +90,7 @@ class LinuxCnc(Importer):
 class _Machine:
     """What the settings say of the machine."""
 
-    settings: Settings
+    settings: FoundSettings
     path: Path
     unit: float = 1.0  # mm in a unit of length
     axes: dict[str, ImportedAxis] = field(default_factory=dict)
@@ -342,8 +342,8 @@ class _Machine:
                 lines.append(f"  {tool.number}: {{{keys}}}{remark}")
             elif tool.refused:
                 why = next(iter(tool.notes), "refused")
-                self.settings.leave(Setting(f"tool T{tool.number}", tool.name, file.name, 0), why)
-                self.settings.all.append(Setting(f"tool T{tool.number}", tool.name, file.name, 0))
+                self.settings.leave(FoundSetting(f"tool T{tool.number}", tool.name, file.name, 0), why)
+                self.settings.all.append(FoundSetting(f"tool T{tool.number}", tool.name, file.name, 0))
         if lines:
             yield "tools:  # of the tool table, which does not say what kind of tool each is"
             yield from lines

@@ -9,11 +9,11 @@ from typing import ClassVar, Final
 
 from gcodesim.importers.axes import ImportedAxis
 from gcodesim.importers.importer import (
+    FoundSetting,
+    FoundSettings,
     Imported,
     Importer,
     NoSettingsError,
-    Setting,
-    Settings,
     heading,
     number_in,
     read_text,
@@ -50,7 +50,7 @@ class Marlin(Importer):
     says: ClassVar[str] = "a Configuration.h: bed, travel, speeds, accelerations, nozzles, filament"
 
     def read(self, path: Path, folder: Path) -> Imported:
-        settings = Settings(_settings(path))
+        settings = FoundSettings(_settings(path))
         values = {setting.name: setting.value for setting in settings.all}
         if "DEFAULT_MAX_FEEDRATE" not in values:
             raise NoSettingsError(f"{path} does not define DEFAULT_MAX_FEEDRATE: it is no Configuration.h of Marlin")
@@ -69,14 +69,14 @@ class Marlin(Importer):
         return Imported(what="Configuration.h of Marlin", lines=tuple(lines), taken=taken, left=left)
 
 
-def _settings(path: Path) -> list[Setting]:
+def _settings(path: Path) -> list[FoundSetting]:
     """Definitions that hold, in their order; of `#if` all branches count, since what they ask is not known here."""
     found = []
     inside = False  # of a comment over several lines
     for number, raw in enumerate(read_text(path).splitlines(), start=1):
         line, inside = _without_comments(raw, inside)
         if match := _DEFINE.match(line):
-            found.append(Setting(match[1], (match[2] or "").strip(), path.name, number))
+            found.append(FoundSetting(match[1], (match[2] or "").strip(), path.name, number))
     return found
 
 
@@ -95,7 +95,12 @@ def _without_comments(line: str, inside: bool) -> tuple[str, bool]:
 
 
 def _axis(
-    settings: Settings, letter: str, index: int, speeds: list[float], changes: list[float], values: Mapping[str, str]
+    settings: FoundSettings,
+    letter: str,
+    index: int,
+    speeds: list[float],
+    changes: list[float],
+    values: Mapping[str, str],
 ) -> ImportedAxis:
     size = _number(settings, f"{letter}_BED_SIZE", values)
     low = _number(settings, f"{letter}_MIN_POS", values) or 0.0
@@ -110,12 +115,12 @@ def _axis(
     return ImportedAxis(letter=letter, lower=low, upper=high, speed=speeds[index], acceleration=change)
 
 
-def _list(settings: Settings, name: str, values: Mapping[str, str]) -> list[float]:
+def _list(settings: FoundSettings, name: str, values: Mapping[str, str]) -> list[float]:
     text = settings.text(name).strip("{} ")
     return [value for part in text.split(",") if (value := _value(part, values)) is not None]
 
 
-def _number(settings: Settings, name: str, values: Mapping[str, str]) -> float | None:
+def _number(settings: FoundSettings, name: str, values: Mapping[str, str]) -> float | None:
     found = settings.last(name)
     if found is None:
         return None

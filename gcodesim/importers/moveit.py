@@ -11,11 +11,11 @@ from pathlib import Path
 from typing import Any, ClassVar, Final
 
 from gcodesim.importers.importer import (
+    FoundSetting,
+    FoundSettings,
     Imported,
     Importer,
     NoSettingsError,
-    Setting,
-    Settings,
     heading,
     number_in,
     quoted,
@@ -51,7 +51,7 @@ class MoveIt(Importer):
     def read(self, path: Path, folder: Path) -> Imported:
         root = path if path.is_dir() else path.parent.parent if path.parent.name == "config" else path.parent
         srdf = _srdf(path)
-        settings = Settings([])
+        settings = FoundSettings([])
         robot = _parsed(srdf)
         urdf = _urdf(root, robot.get("name", ""))
         arm = _Arm(settings, robot, srdf, urdf)
@@ -106,7 +106,7 @@ def _urdf(root: Path, name: str) -> Path:
 class _Arm:
     """One arm: the description, and what is said of its joints and links."""
 
-    def __init__(self, settings: Settings, robot: LinedElement, srdf: Path, urdf: Path) -> None:
+    def __init__(self, settings: FoundSettings, robot: LinedElement, srdf: Path, urdf: Path) -> None:
         from gcodesim.diagnostics import Span
         from gcodesim.kinematics.urdf import NamedFlange, load_urdf
 
@@ -126,8 +126,8 @@ class _Arm:
         self.acceleration: dict[str, float] = {}
         self.jerk: dict[str, float] = {}
 
-    def _note(self, element: LinedElement, text: str) -> Setting:
-        setting = Setting(element.tag, text, self.srdf.name, element.line)
+    def _note(self, element: LinedElement, text: str) -> FoundSetting:
+        setting = FoundSetting(element.tag, text, self.srdf.name, element.line)
         self.settings.all.append(setting)
         return setting
 
@@ -270,7 +270,7 @@ def _packages(urdf: Path) -> dict[str, Path]:
     return {name: found[name] for name in names if name in found}
 
 
-def _limits(file: Path) -> Iterator[tuple[Setting, str, str, float | None, bool]]:
+def _limits(file: Path) -> Iterator[tuple[FoundSetting, str, str, float | None, bool]]:
     """Each setting with its joint, name, number, and whether its `has_…_limits` lets it hold."""
     lines: list[tuple[int, int, str, str]] = []
     for number, raw in enumerate(read_text(file).splitlines(), start=1):
@@ -297,7 +297,7 @@ def _limits(file: Path) -> Iterator[tuple[Setting, str, str, float | None, bool]
         kind = {"max_velocity": "velocity", "max_acceleration": "acceleration", "max_jerk": "jerk"}.get(name, "")
         used = bool(has.get((joint, f"has_{kind}_limits"), kind == "velocity"))
         full = f"{joint}.{name}" if joint else name
-        yield Setting(full, value, file.name, number), joint, name, number_in(value), used
+        yield FoundSetting(full, value, file.name, number), joint, name, number_in(value), used
 
 
 def _listed(values: list[float], kinds: Any) -> str:

@@ -8,10 +8,10 @@ _NOT_WORDS: dict[str, Any] = {"fanuc-ls": "gcodesim.post.fanuc_ls:FanucLs"}
 
 LANGUAGES = Family(
     "posts",
-    of="gcodesim.post.language:Language",
+    of="gcodesim.post.language:RobotLanguage",
     called="kind",
     krl="gcodesim.post.krl:Krl",
-    rapid="gcodesim.post.rapid:Rapid",
+    rapid="gcodesim.post.rapid:RapidCode",
     urscript="gcodesim.post.urscript:UrScript",
     **_NOT_WORDS,
 )

@@ -11,12 +11,12 @@ import numpy as np
 from gcodesim.arithmetic.matrices import norm
 from gcodesim.frames import Array
 from gcodesim.frozen import frozen
-from gcodesim.post.moves import Move, Place, Remark, Step, Switch
+from gcodesim.post.moves import ArmPlace, Remark, RobotMove, RobotStep, RobotSwitch
 from gcodesim.post.straight import half_sine, turn_between
 
 
 @frozen(eq=False)
-class Corner:
+class CutCorner:
     """What holds at the end of a move that goes on: `zone` [m] is where the corner that was checked begins, None where
     the path goes straight on; `tolerance` [m] is how far it may be cut."""
 
@@ -25,14 +25,14 @@ class Corner:
 
 
 @frozen(eq=False)
-class Passing(Step):
+class Passing(RobotStep):
     """A move at whose end the robot goes on, round a `corner`."""
 
-    move: Move
-    corner: Corner
+    move: RobotMove
+    corner: CutCorner
 
 
-def rounded(steps: Sequence[Step], start: Place) -> Iterator[Step]:
+def rounded(steps: Sequence[RobotStep], start: ArmPlace) -> Iterator[RobotStep]:
     """The same steps, with a `blend` for every move that passes its end.
 
     A control rounds a corner by a parabola that begins and ends in the distance d from it and cuts it by
@@ -47,22 +47,22 @@ def rounded(steps: Sequence[Step], start: Place) -> Iterator[Step]:
             at = step.move.to
             continue
         yield step
-        if isinstance(step, Move):
+        if isinstance(step, RobotMove):
             at = step.to
 
 
-def _next_move(steps: Sequence[Step], number: int) -> Move | None:
+def _next_move(steps: Sequence[RobotStep], number: int) -> RobotMove | None:
     """The move after step `number`; None where the robot has to stand before it."""
     for after in range(number + 1, len(steps)):
         step = steps[after]
-        if isinstance(step, (Move, Passing)):
-            return step if isinstance(step, Move) else step.move
-        if not (isinstance(step, Remark) or (isinstance(step, Switch) and step.with_motion)):
+        if isinstance(step, (RobotMove, Passing)):
+            return step if isinstance(step, RobotMove) else step.move
+        if not (isinstance(step, Remark) or (isinstance(step, RobotSwitch) and step.with_motion)):
             return None
     return None
 
 
-def _zone(start: Place, move: Move, after: Move, corner: Corner) -> float:
+def _zone(start: ArmPlace, move: RobotMove, after: RobotMove, corner: CutCorner) -> float:
     before, beyond = _stretch(start, move), _stretch(move.to, after)
     room = 0.5 * min(before.length, beyond.length)
     if corner.zone is not None:
@@ -85,7 +85,7 @@ class _Stretch:
     bend: float
 
 
-def _stretch(start: Place, move: Move) -> _Stretch:
+def _stretch(start: ArmPlace, move: RobotMove) -> _Stretch:
     p, q = start.X_BT.p, move.to.X_BT.p
     if move.via is None:
         return _Stretch(begin=q - p, end=q - p, length=norm(q - p), bend=0.0)

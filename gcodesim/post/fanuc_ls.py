@@ -12,8 +12,8 @@ from gcodesim.diagnostics import Diagnostic, Severity
 from gcodesim.frames import Array, Pose
 from gcodesim.post.angles import rpy_of
 from gcodesim.post.language import (
-    Language,
-    Written,
+    RobotLanguage,
+    WrittenFiles,
     degrees,
     external_values,
     heading,
@@ -24,7 +24,7 @@ from gcodesim.post.language import (
     plain,
     seen_from,
 )
-from gcodesim.post.moves import Halt, Move, Place, Remark, RobotProgram, Step, Switch, Wait
+from gcodesim.post.moves import ArmPlace, Remark, RobotHalt, RobotMove, RobotProgram, RobotStep, RobotSwitch, RobotWait
 from gcodesim.post.posture import posture_of
 from gcodesim.units import DEG, MM
 
@@ -38,7 +38,7 @@ _ACCELERATION: Final = 1.2  # [m/s²] by which a robot is taken to brake, where 
 _TURN: Final = 180.0 * DEG
 
 
-class FanucLs(Language):
+class FanucLs(RobotLanguage):
     """`--for fanuc-ls`."""
 
     kind: ClassVar[str] = "fanuc-ls"
@@ -57,18 +57,18 @@ class FanucLs(Language):
             return found
         return Pose(np.array(arm.p_BP), found.R)
 
-    def write(self, program: RobotProgram) -> Written:
+    def write(self, program: RobotProgram) -> WrittenFiles:
         name = name_in(self, program.name).upper()
         parts = list(parts_of(program.steps, self.most_moves))
         writer = _Writer(self, program)
         if len(parts) == 1:
             files = {f"{name}.ls": writer.program_text(name, [*writer.opening(), *writer.body(parts[0])])}
-            return Written(files=files, findings=tuple(writer.findings))
+            return WrittenFiles(files=files, findings=tuple(writer.findings))
         names = [f"{name}_{number}" for number in range(1, len(parts) + 1)]
         files = {f"{name}.ls": writer.program_text(name, [*writer.opening(), *(f"  CALL {one}" for one in names)])}
         for one, part in zip(names, parts, strict=True):
             files[f"{one}.ls"] = writer.program_text(one, list(writer.body(part)))
-        return Written(files=files, findings=tuple(writer.findings))
+        return WrittenFiles(files=files, findings=tuple(writer.findings))
 
 
 class _Writer:
@@ -116,29 +116,29 @@ class _Writer:
         for n, tool in enumerate(self.program.tools.values(), start=1):
             yield from _set("UTOOL", n, tool.X_FT)
 
-    def body(self, steps: Sequence[Step]) -> Iterator[str]:
+    def body(self, steps: Sequence[RobotStep]) -> Iterator[str]:
         """The lines of these steps; their points are noted."""
         self.held.clear()
         for step in steps:
             yield from self._said(step)
 
-    def _said(self, step: Step) -> Iterator[str]:
-        if isinstance(step, Move):
+    def _said(self, step: RobotStep) -> Iterator[str]:
+        if isinstance(step, RobotMove):
             yield from self._move(step)
-        elif isinstance(step, Wait):
+        elif isinstance(step, RobotWait):
             yield f"  WAIT {number(step.seconds, 2)}(sec)"
-        elif isinstance(step, Halt):
+        elif isinstance(step, RobotHalt):
             yield from _remark(step.text)
             yield "  PAUSE"
         elif isinstance(step, Remark):
             yield from _remark(step.text)
-        elif isinstance(step, Switch):
+        elif isinstance(step, RobotSwitch):
             if step.digital:
                 yield f"  DO[{step.signal}]={'ON' if step.value else 'OFF'}"
             else:
                 yield f"  AO[{step.signal}]={number(step.value, 3)}"
 
-    def _move(self, move: Move) -> Iterator[str]:
+    def _move(self, move: RobotMove) -> Iterator[str]:
         tool = list(self.program.tools).index(move.tool) + 1
         for what, value in (("UFRAME_NUM", move.frame), ("UTOOL_NUM", tool)):
             if self.held.get(what) != value:
@@ -157,7 +157,7 @@ class _Writer:
             yield f"C P[{self._point(move, move.via, tool)}]"
             yield f"    P[{self._point(move, move.to, tool)}] {self._speed(move)} {ending}"
 
-    def _speed(self, move: Move) -> str:
+    def _speed(self, move: RobotMove) -> str:
         """In mm/s if one digit behind the point says it, else in cm/min."""
         speed = move.speed / MM
         if speed > FASTEST:
@@ -172,7 +172,7 @@ class _Writer:
             return f"{number(speed, 1)}mm/sec"
         return f"{number(max(speed * 6.0, 0.1), 1)}cm/min"
 
-    def _ending(self, move: Move) -> str:
+    def _ending(self, move: RobotMove) -> str:
         """How sharp the corner is. CNT is no distance: it says how early the robot may begin to turn, as a share of
         the way on which it would brake."""
         if move.blend <= _LEAST_ZONE:
@@ -187,12 +187,12 @@ class _Writer:
         share = 1.0 if move.kind == "joint" or braking <= 0.0 else move.blend / braking
         return f"CNT{max(1, min(100, round(100.0 * share)))}"
 
-    def _once(self, code: str, move: Move, message: str, hint: str) -> None:
+    def _once(self, code: str, move: RobotMove, message: str, hint: str) -> None:
         if all(finding.code != code for finding in self.findings):
             severity = Severity.WARNING if code == "GS803" else Severity.NOTE
             self.findings.append(Diagnostic(code=code, severity=severity, span=move.span, message=message, hint=hint))
 
-    def _point(self, move: Move, place: Place, tool: int, *, by_joints: bool = False) -> int:
+    def _point(self, move: RobotMove, place: ArmPlace, tool: int, *, by_joints: bool = False) -> int:
         """Note a place; its number."""
         self.counted += 1
         n = self.counted
@@ -217,7 +217,7 @@ class _Writer:
         self.points += [*(f"{row}," for row in rows[:-1]), rows[-1], "};"]
         return n
 
-    def _config(self, move: Move, place: Place) -> str:
+    def _config(self, move: RobotMove, place: ArmPlace) -> str:
         posture = posture_of(self.program.kinematics, place.q)
         if posture is None:
             self._once(
@@ -237,7 +237,7 @@ class _Writer:
         return f"{' '.join(stands)}, {', '.join(map(str, turns))}"
 
 
-def _coupled(place: Place) -> Array:
+def _coupled(place: ArmPlace) -> Array:
     """Joints as the control counts them: joint 3 from the horizontal, whatever joint 2 does."""
     q = np.array(place.q)
     if len(q) == 6:

@@ -17,8 +17,8 @@ from gcodesim.frames import Pose
 from gcodesim.frozen import frozen
 from gcodesim.motion.tool_path import ARC
 from gcodesim.planning.arm_joints import ArmJoints
-from gcodesim.post.blends import Corner, Passing, rounded
-from gcodesim.post.moves import Frame, Move, Place, RobotProgram, Step, ToolFrame
+from gcodesim.post.blends import CutCorner, Passing, rounded
+from gcodesim.post.moves import ArmPlace, RobotMove, RobotProgram, RobotStep, ToldFrame, ToolFrame
 from gcodesim.post.nodes import PlannedArm
 from gcodesim.post.said import Said
 from gcodesim.post.straight import Stray, StrayOfJoints, StrayOfLine, needed
@@ -27,7 +27,7 @@ from gcodesim.world.model import payload_of
 
 if TYPE_CHECKING:
     from gcodesim.jobs.job import Job
-    from gcodesim.post.language import Language
+    from gcodesim.post.language import RobotLanguage
     from gcodesim.shop import Shop
 
 Motion = Literal["joint", "linear"]
@@ -56,7 +56,7 @@ class Wish:
     signals: Mapping[str, str] = field(default_factory=dict)
 
 
-def program_of(job: Job, language: Language, wish: Wish) -> tuple[RobotProgram, list[Diagnostic]]:
+def program_of(job: Job, language: RobotLanguage, wish: Wish) -> tuple[RobotProgram, list[Diagnostic]]:
     """The planned path of a job's first channel, and what of it cannot be said.
 
     NotPostedError where it is not that of an arm, or depends on what a run finds.
@@ -89,13 +89,13 @@ def program_of(job: Job, language: Language, wish: Wish) -> tuple[RobotProgram, 
     return program, said.findings
 
 
-def _steps(planned: PlannedArm, said: Said, wish: Wish, frame_of_state: list[int]) -> Iterator[Step]:
+def _steps(planned: PlannedArm, said: Said, wish: Wish, frame_of_state: list[int]) -> Iterator[RobotStep]:
     """All steps; where the robot goes on, corners are not rounded yet."""
     path = planned.plan.path
     events = list(path.events)
     here = planned.begin()
     tool = path.state_of(0).tool if len(path) else 0
-    yield Move(span=Span(path.spans[0].file), kind="joint", to=here, tool=tool)
+    yield RobotMove(span=Span(path.spans[0].file), kind="joint", to=here, tool=tool)
     happened = 0
     for row in range(len(path)):
         while happened < len(events) and events[happened].row <= row:
@@ -113,36 +113,38 @@ def _steps(planned: PlannedArm, said: Said, wish: Wish, frame_of_state: list[int
         yield from said.steps(noted.event)
 
 
-def _corner(planned: PlannedArm, wish: Wish, row: int, *, last: bool) -> Corner | None:
+def _corner(planned: PlannedArm, wish: Wish, row: int, *, last: bool) -> CutCorner | None:
     """What holds at the end of a move of a row, the last one or one before; None where the robot stops."""
     if not last:
-        return Corner(zone=None, tolerance=wish.tolerance)
+        return CutCorner(zone=None, tolerance=wish.tolerance)
     if planned.by_joints(row) or not planned.goes_on[row]:
         return None
     zone = float(planned.zones[row])
     tolerance = max(wish.tolerance, float(planned.plan.path.naive[row]))
-    return Corner(zone=None if math.isnan(zone) else zone, tolerance=tolerance)
+    return CutCorner(zone=None if math.isnan(zone) else zone, tolerance=tolerance)
 
 
-def _moves(planned: PlannedArm, wish: Wish, row: int, here: Place, end: Place) -> Iterator[Move]:
+def _moves(planned: PlannedArm, wish: Wish, row: int, here: ArmPlace, end: ArmPlace) -> Iterator[RobotMove]:
     """The moves of a row from where the arm is."""
     path = planned.plan.path
     if path.kind[row] != ARC and _same(here, end):
         return
     if planned.by_joints(row):
-        yield Move(span=_NOWHERE, kind="joint", to=end, share=planned.share_of_joints(row))
+        yield RobotMove(span=_NOWHERE, kind="joint", to=end, share=planned.share_of_joints(row))
     elif wish.motion == "joint":
         tip = partial(planned.tip_at, row)
         yield from _short_moves(planned, row, here, end, StrayOfJoints(tolerance=wish.tolerance, tip=tip), "joint")
     elif not planned.keeps_attitude:
         yield from _short_moves(planned, row, here, end, StrayOfLine(tolerance=wish.tolerance), "linear")
     elif path.kind[row] != ARC:
-        yield Move(span=_NOWHERE, kind="linear", to=end, speed=_speed(planned, row))
+        yield RobotMove(span=_NOWHERE, kind="linear", to=end, speed=_speed(planned, row))
     else:
         yield from _arc_moves(planned, row, end, wish.tolerance)
 
 
-def _short_moves(planned: PlannedArm, row: int, here: Place, end: Place, stray: Stray, kind: Motion) -> Iterator[Move]:
+def _short_moves(
+    planned: PlannedArm, row: int, here: ArmPlace, end: ArmPlace, stray: Stray, kind: Motion
+) -> Iterator[RobotMove]:
     """As many moves as keep the tool on the way that was checked, each as fast as it was planned."""
     times, inside = planned.way(row)
     t = planned.plan.trajectory
@@ -154,7 +156,7 @@ def _short_moves(planned: PlannedArm, row: int, here: Place, end: Place, stray: 
         start, to = places[before], places[number]
         seconds = max(float(when[number] - when[before]), 1e-9)
         shares = np.abs(to.q - start.q) / planned.arm.joints.speed / seconds
-        yield Move(
+        yield RobotMove(
             span=_NOWHERE,
             kind=kind,
             to=to,
@@ -165,7 +167,7 @@ def _short_moves(planned: PlannedArm, row: int, here: Place, end: Place, stray: 
         before = number
 
 
-def _arc_moves(planned: PlannedArm, row: int, end: Place, tolerance: float) -> Iterator[Move]:
+def _arc_moves(planned: PlannedArm, row: int, end: ArmPlace, tolerance: float) -> Iterator[RobotMove]:
     """Circles of less than half a turn; a helix as lines, since a circle lies in a plane."""
     path = planned.plan.path
     sweep, length = abs(float(path.sweep[row])), float(path.length[row])
@@ -174,7 +176,7 @@ def _arc_moves(planned: PlannedArm, row: int, end: Place, tolerance: float) -> I
     step = _MOST_SWEEP if plane else math.sqrt(8.0 * tolerance * max(sweep, _STILL) / max(length, tolerance))
     count = max(1, math.ceil(sweep / step))
     for number in range(1, count + 1):
-        yield Move(
+        yield RobotMove(
             span=_NOWHERE,
             kind="circular" if plane else "linear",
             to=end if number == count else planned.at(row, number / count),
@@ -188,15 +190,15 @@ def _speed(planned: PlannedArm, row: int) -> float:
     return float(planned.plan.path.feed[row]) if planned.feeds_tip(row) else planned.greatest_speed(row)
 
 
-def _same(first: Place, second: Place) -> bool:
+def _same(first: ArmPlace, second: ArmPlace) -> bool:
     """Whether nothing moves between two places."""
     values = (np.concatenate([one.q, one.externals]) for one in (first, second))
     return bool(np.abs(next(values) - next(values)).max() < _STILL)
 
 
-def _frames(shop: Shop, planned: PlannedArm) -> tuple[dict[int, Frame], list[int]]:
+def _frames(shop: Shop, planned: PlannedArm) -> tuple[dict[int, ToldFrame], list[int]]:
     """The work systems of a plan by number, and which of them each state of its path has."""
-    frames: dict[int, Frame] = {}
+    frames: dict[int, ToldFrame] = {}
     numbers: list[int] = []
     for state in planned.plan.path.states:
         X_BP = shop.X_BM @ state.X_MP
@@ -207,7 +209,7 @@ def _frames(shop: Shop, planned: PlannedArm) -> tuple[dict[int, Frame], list[int
         number = next(known, 0)
         if not number:
             number = len(frames) + 1
-            frames[number] = Frame(name=name, X_BP=X_BP)
+            frames[number] = ToldFrame(name=name, X_BP=X_BP)
         numbers.append(number)
     return frames, numbers
 

@@ -38,7 +38,7 @@ class CannotSayError(ValueError):
 
 
 @frozen
-class Line:
+class GcodeLine:
     """One line of the new program, and the place in the old one that asks for it."""
 
     text: str
@@ -59,11 +59,11 @@ class GcodeWriter:
         self._digits = _DIGITS_OF.get(dialect, _DIGITS)
         self._point = dialect in _WITH_POINT
 
-    def lines(self, events: Iterator[canon.Event]) -> Iterator[Line]:
+    def lines(self, events: Iterator[canon.Event]) -> Iterator[GcodeLine]:
         """The new program. CannotSayError, with its `span` beside it, where there are no words."""
         nowhere = Span(self.name)
         for text in self._head():
-            yield Line(text=text, span=nowhere)
+            yield GcodeLine(text=text, span=nowhere)
         for event in events:
             writer = _WRITERS.get(type(event))
             if event.span.line == 0:
@@ -73,11 +73,11 @@ class GcodeWriter:
                 continue
             try:
                 for text in writer(self, event):
-                    yield Line(text=text, span=event.span)
+                    yield GcodeLine(text=text, span=event.span)
             except CannotSayError as error:
                 raise NotTranslatedError(str(error), event.span) from None
         if self._point:
-            yield Line(text="%", span=nowhere)
+            yield GcodeLine(text="%", span=nowhere)
 
     def _begin(self, event: canon.Event) -> None:
         """What holds before the program begins."""

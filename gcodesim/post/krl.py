@@ -9,8 +9,8 @@ from gcodesim.diagnostics import Diagnostic, Severity
 from gcodesim.frames import Array, Pose
 from gcodesim.post.angles import rpy_of
 from gcodesim.post.language import (
-    Language,
-    Written,
+    RobotLanguage,
+    WrittenFiles,
     degrees,
     external_values,
     heading,
@@ -21,7 +21,7 @@ from gcodesim.post.language import (
     plain,
     seen_from,
 )
-from gcodesim.post.moves import Halt, Move, Place, Remark, RobotProgram, Step, Switch, Wait
+from gcodesim.post.moves import ArmPlace, Remark, RobotHalt, RobotMove, RobotProgram, RobotStep, RobotSwitch, RobotWait
 from gcodesim.post.posture import posture_of
 from gcodesim.units import MM
 
@@ -30,7 +30,7 @@ FASTEST: Final = 3.0
 _LEAST_ZONE: Final = 1e-6  # [m] of a blend that is written
 
 
-class Krl(Language):
+class Krl(RobotLanguage):
     """`--for krl`."""
 
     kind: ClassVar[str] = "krl"
@@ -39,20 +39,20 @@ class Krl(Language):
     longest_name: ClassVar[int] = 20
     least_output: ClassVar[int] = 1
 
-    def write(self, program: RobotProgram) -> Written:
+    def write(self, program: RobotProgram) -> WrittenFiles:
         name = name_in(self, program.name)
         parts = list(parts_of(program.steps, self.most_moves))
         writer = _Writer(self, program)
         if len(parts) == 1:
             source, data = writer.module(name, parts[0], first=True)
-            return Written(files={f"{name}.src": source, f"{name}.dat": data}, findings=tuple(writer.findings))
+            return WrittenFiles(files={f"{name}.src": source, f"{name}.dat": data}, findings=tuple(writer.findings))
         files: dict[str, str] = {}
         names = [f"{name}_{number}" for number in range(1, len(parts) + 1)]
         calls = [f"  {one}()" for one in names]
         files[f"{name}.src"] = _text([*_OPENING, f"DEF {name}()", *_comments(program, self), *calls, "END"])
         for one, part in zip(names, parts, strict=True):
             files[f"{one}.src"], files[f"{one}.dat"] = writer.module(one, part, first=one == names[0])
-        return Written(files=files, findings=tuple(writer.findings))
+        return WrittenFiles(files=files, findings=tuple(writer.findings))
 
 
 _OPENING: Final = ("&ACCESS RVP", "&REL 1")
@@ -66,7 +66,7 @@ class _Writer:
         self.findings: list[Diagnostic] = []
         self.held: dict[str, str] = {}
 
-    def module(self, name: str, steps: Sequence[Step], *, first: bool) -> tuple[str, str]:
+    def module(self, name: str, steps: Sequence[RobotStep], *, first: bool) -> tuple[str, str]:
         """Source and data of one module."""
         points: list[str] = []
         lines = [*_OPENING, f"DEF {name}()", *_comments(self.program, self.language)]
@@ -83,25 +83,25 @@ class _Writer:
         data = [*_OPENING, f"DEFDAT {name}", *(f"  {point}" for point in points), "ENDDAT"]
         return _text([*lines, "END"]), _text(data)
 
-    def _said(self, step: Step, points: list[str]) -> Iterator[str]:
-        if isinstance(step, Move):
+    def _said(self, step: RobotStep, points: list[str]) -> Iterator[str]:
+        if isinstance(step, RobotMove):
             yield from self._move(step, points)
-        elif isinstance(step, Wait):
+        elif isinstance(step, RobotWait):
             yield f"WAIT SEC {number(step.seconds, 3)}"
-        elif isinstance(step, Halt):
+        elif isinstance(step, RobotHalt):
             yield f"HALT ; {plain(step.text)}"
         elif isinstance(step, Remark):
             yield f"; {plain(step.text)}"
-        elif isinstance(step, Switch):
+        elif isinstance(step, RobotSwitch):
             yield self._switch(step)
 
-    def _switch(self, step: Switch) -> str:
+    def _switch(self, step: RobotSwitch) -> str:
         if not step.digital:
             return f"$ANOUT[{step.signal}]={number(step.value, 6)}"
         setting = f"$OUT[{step.signal}]={'TRUE' if step.value else 'FALSE'}"
         return f"TRIGGER WHEN DISTANCE=0 DELAY=0 DO {setting}" if step.with_motion else setting
 
-    def _move(self, move: Move, points: list[str]) -> Iterator[str]:
+    def _move(self, move: RobotMove, points: list[str]) -> Iterator[str]:
         program = self.program
         yield from self._changed(
             "tool", f"$TOOL={_frame(program.tools[move.tool].X_FT)} ; {plain(program.tools[move.tool].name)}"
@@ -137,11 +137,11 @@ class _Writer:
             self.held[what] = line
             yield line
 
-    def _axes(self, place: Place) -> str:
+    def _axes(self, place: ArmPlace) -> str:
         values = [f"A{k} {number(a, 5)}" for k, a in enumerate(degrees(place.q), start=1)]
         return "{" + ",".join([*values, *self._externals(place)]) + "}"
 
-    def _position(self, place: Place, X_BP: Pose) -> str:
+    def _position(self, place: ArmPlace, X_BP: Pose) -> str:
         p, R = seen_from(X_BP, place)
         posture = posture_of(self.program.kinematics, place.q)
         stands = []
@@ -151,10 +151,10 @@ class _Writer:
             stands = [f"S {status}", f"T {turn}"]
         return "{" + ",".join([*_words(p, R), *stands, *self._externals(place)]) + "}"
 
-    def _externals(self, place: Place) -> list[str]:
+    def _externals(self, place: ArmPlace) -> list[str]:
         return [f"E{k} {number(v, 5)}" for k, v in enumerate(external_values(self.program, place), start=1)]
 
-    def _too_fast(self, move: Move) -> None:
+    def _too_fast(self, move: RobotMove) -> None:
         if any(finding.code == "GS803" for finding in self.findings):
             return
         self.findings.append(
@@ -183,7 +183,7 @@ def _frame(X: Pose) -> str:
     return "{" + ",".join(_words(X.p / MM, X.R)) + "}"
 
 
-def _comments(program: RobotProgram, language: Language) -> list[str]:
+def _comments(program: RobotProgram, language: RobotLanguage) -> list[str]:
     return [f"  ; {line}" for line in heading(program, language)]
 
 

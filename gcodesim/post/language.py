@@ -12,7 +12,7 @@ from gcodesim.arithmetic.matrices import inverse_pose, multiplied
 from gcodesim.diagnostics import Diagnostic
 from gcodesim.frames import Array, Pose
 from gcodesim.frozen import frozen
-from gcodesim.post.moves import Frame, Move, Place, RobotProgram, Step
+from gcodesim.post.moves import ArmPlace, RobotMove, RobotProgram, RobotStep, ToldFrame
 from gcodesim.units import DEG, MM
 
 _NO_LETTER: Final = re.compile(r"[^A-Za-z0-9_]")
@@ -22,14 +22,14 @@ _LATE: Final = 0.8  # of the most moves of a file, from which on it ends where t
 
 
 @frozen
-class Written:
+class WrittenFiles:
     """Files by name, the one to start first; and what of the program they do not say."""
 
     files: Mapping[str, str]
     findings: tuple[Diagnostic, ...] = ()
 
 
-class Language:
+class RobotLanguage:
     """The base of all languages. `kind` is the name in the table `LANGUAGES` and on the command line.
 
     `says` tells in a line what comes out. `most_moves` is how many moves one file takes: longer programs are divided.
@@ -44,7 +44,7 @@ class Language:
     least_output: ClassVar[int] = 0
     moves_externals: ClassVar[bool] = True
 
-    def write(self, program: RobotProgram) -> Written:
+    def write(self, program: RobotProgram) -> WrittenFiles:
         """The program in files of this language."""
         raise NotImplementedError
 
@@ -68,30 +68,30 @@ class Language:
                 return Pose.from_matrix(X)
         return Pose.identity()
 
-    def X_KP(self, program: RobotProgram, frame: Frame) -> Pose:
+    def X_KP(self, program: RobotProgram, frame: ToldFrame) -> Pose:
         """A frame of the program seen from the base of the control."""
         return self.X_BK(program).inverse() @ frame.X_BP
 
 
-def name_in(language: Language, text: str) -> str:
+def name_in(language: RobotLanguage, text: str) -> str:
     """A name of letters, digits and underscores for a program that is called `text`; it begins with a letter."""
     name = _NO_LETTER.sub("_", text.rpartition("/")[2].partition(".")[0]) or "program"
     name = name if name[0].isalpha() else f"p{name}"
     return name[: language.longest_name]
 
 
-def seen_from(X_BP: Pose, place: Place) -> tuple[Array, Array]:
+def seen_from(X_BP: Pose, place: ArmPlace) -> tuple[Array, Array]:
     """Tip of a place in the frame P: position (3,) [mm] and rotation (3, 3)."""
     X = multiplied(inverse_pose(X_BP.matrix), place.X_BT.matrix)
     return X[:3, 3] / MM, X[:3, :3]
 
 
-def parts_of(steps: Sequence[Step], most: int) -> Iterator[Sequence[Step]]:
+def parts_of(steps: Sequence[RobotStep], most: int) -> Iterator[Sequence[RobotStep]]:
     """The steps in parts of at most `most` moves; a part ends where the robot stands, if it does so near its end."""
     begin = moves = 0
     rest = -1
     for number, step in enumerate(steps):
-        if not isinstance(step, Move):
+        if not isinstance(step, RobotMove):
             continue
         moves += 1
         if step.blend == 0.0 and moves >= _LATE * most:
@@ -99,7 +99,7 @@ def parts_of(steps: Sequence[Step], most: int) -> Iterator[Sequence[Step]]:
         if moves >= most:
             end = (rest if rest > begin else number) + 1
             yield steps[begin:end]
-            moves = sum(isinstance(one, Move) for one in steps[end : number + 1])
+            moves = sum(isinstance(one, RobotMove) for one in steps[end : number + 1])
             begin, rest = end, -1
     if begin < len(steps) or not steps:
         yield steps[begin:]
@@ -121,12 +121,12 @@ def degrees(angles: Array) -> list[float]:
     return [round(float(a) / DEG, DIGITS) + 0.0 for a in angles]
 
 
-def line_of(step: Step) -> str:
+def line_of(step: RobotStep) -> str:
     """The line of the program, as `line 12`; with the file where that is a subprogram."""
     return f"line {step.span.line}" if step.span.line else ""
 
 
-def external_values(program: RobotProgram, place: Place) -> list[float]:
+def external_values(program: RobotProgram, place: ArmPlace) -> list[float]:
     """Where external axes stand [mm, deg]."""
     return [
         float(value) / (MM if slides else DEG)
@@ -134,7 +134,7 @@ def external_values(program: RobotProgram, place: Place) -> list[float]:
     ]
 
 
-def heading(program: RobotProgram, language: Language) -> list[str]:
+def heading(program: RobotProgram, language: RobotLanguage) -> list[str]:
     """Lines that stand at the top of a program, without the marks of a comment."""
     lines = [f"{program.source} in {program.cell}, as gcodesim has checked it ({language.kind})"]
     lines += [f"frame {n}: {frame.name}" for n, frame in program.frames.items()]

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 @frozen(eq=False)
-class Place:
+class ArmPlace:
     """Where the tool is, and how the machine stands there.
 
     `X_BT` is the tip seen from the base of the arm (of an arm that is carried: its base while that stands at zero),
@@ -27,14 +27,14 @@ class Place:
 
 
 @frozen(eq=False)
-class Step:
+class RobotStep:
     """One thing that the robot is told; `span` is the place of the program that asks for it."""
 
     span: Span
 
 
 @frozen(eq=False)
-class Move(Step):
+class RobotMove(RobotStep):
     """A move to `to`, by joints, along a line, or along the circle through `via`.
 
     `speed` [m/s] of the tip; `share` of the greatest joint speeds, for moves by joints; `seconds` is how long it was
@@ -43,8 +43,8 @@ class Move(Step):
     """
 
     kind: Literal["joint", "linear", "circular"]
-    to: Place
-    via: Place | None = None
+    to: ArmPlace
+    via: ArmPlace | None = None
     speed: float = 0.0
     share: float = 1.0
     seconds: float = 0.0
@@ -54,14 +54,14 @@ class Move(Step):
 
 
 @frozen(eq=False)
-class Wait(Step):
+class RobotWait(RobotStep):
     """Stand for `seconds`."""
 
     seconds: float
 
 
 @frozen(eq=False)
-class Switch(Step):
+class RobotSwitch(RobotStep):
     """Set an output of the control, by its name there; `digital`: on where `value` is not 0.
 
     `with_motion`: where the next move begins, without a stop.
@@ -74,21 +74,21 @@ class Switch(Step):
 
 
 @frozen(eq=False)
-class Halt(Step):
+class RobotHalt(RobotStep):
     """Stop until somebody starts the program again; `text` says why."""
 
     text: str
 
 
 @frozen(eq=False)
-class Remark(Step):
+class Remark(RobotStep):
     """A comment."""
 
     text: str
 
 
 @frozen(eq=False)
-class Frame:
+class ToldFrame:
     """A frame in which places are told: `X_BP` seen from the base of the arm, with its name, as G54."""
 
     name: str
@@ -116,8 +116,8 @@ class RobotProgram:
     name: str
     source: str
     cell: str
-    steps: tuple[Step, ...]
-    frames: Mapping[int, Frame]
+    steps: tuple[RobotStep, ...]
+    frames: Mapping[int, ToldFrame]
     tools: Mapping[int, ToolFrame]
     kinematics: Kinematics
     joint_speeds: Array

@@ -13,7 +13,7 @@ from gcodesim.frames import Array, Pose, rotation_about
 from gcodesim.frozen import frozen
 from gcodesim.motion.tool_path import ARC, HOME, RAPID
 from gcodesim.planning.guide import GROUND
-from gcodesim.post.moves import Place
+from gcodesim.post.moves import ArmPlace
 
 if TYPE_CHECKING:
     from gcodesim.kinematics.assembly import Assembly
@@ -106,25 +106,25 @@ class PlannedArm:
         times = t.row_start[row] + (t.row_end[row] - t.row_start[row]) * np.arange(1, 10) / 10.0
         return max(norm(v) for v in t.sample(times).velocity[:, :3])
 
-    def begin(self) -> Place:
+    def begin(self) -> ArmPlace:
         """Where the arm stands first."""
         return self._place(self.plan.joints(self.plan.trajectory.sample(np.zeros(1)))[0], 0)
 
-    def end_of(self, row: int) -> Place:
+    def end_of(self, row: int) -> ArmPlace:
         """The point that is programmed as the end of a row, whether the corner there is rounded or not."""
         if self.by_joints(row):
             return self._place(self.joints.moves[int(self._ends.piece[row])].end, row)
         own = slice(row, row + 1)
         return self._solved(self._ends.piece[own], self._ends.s[own], self.plan.path.end[own], self._q_ends[row], row)
 
-    def at(self, row: int, share: float) -> Place:
+    def at(self, row: int, share: float) -> ArmPlace:
         """The place that is programmed at a share 0…1 of the way of a row that is no move by joints."""
         t = self.plan.trajectory
         near = t.sample(np.array([t.row_start[row] + share * (t.row_end[row] - t.row_start[row])]))
         position = self._position(row, share)[None]
         return self._solved(near.piece, near.s, position, self.plan.joints(near)[0], row)
 
-    def _solved(self, piece: NDArray[np.int64], s: Array, position: Array, seed: Array, row: int) -> Place:
+    def _solved(self, piece: NDArray[np.int64], s: Array, position: Array, seed: Array, row: int) -> ArmPlace:
         """Where the arm is when the controlled point is at `position` (1, 6)."""
         flange = self.joints.flange
         X = flange.poses(piece, s, position)
@@ -149,7 +149,7 @@ class PlannedArm:
             point[:3] = c + flat + (lifts[0] + share * (lifts[1] - lifts[0])) * n
         return point
 
-    def way(self, row: int) -> tuple[Array, list[Place]]:
+    def way(self, row: int) -> tuple[Array, list[ArmPlace]]:
         """Times [s] and places of a row as it is run, without rounded corners, close to each other."""
         t = self.plan.trajectory
         t0, t1 = float(t.row_start[row]), float(t.row_end[row])
@@ -169,11 +169,11 @@ class PlannedArm:
         X: Array = self.plan.tip(joints, np.array([row]))[0]
         return X
 
-    def _place(self, q: Array, row: int) -> Place:
+    def _place(self, q: Array, row: int) -> ArmPlace:
         return self._split(q, self.plan.tip(q[None], np.array([row]))[0])
 
-    def _split(self, q: Array, X_BT: Array) -> Place:
+    def _split(self, q: Array, X_BT: Array) -> ArmPlace:
         if self.assembly is None:
-            return Place(X_BT=Pose.from_matrix(X_BT), q=q, externals=np.zeros(0))
+            return ArmPlace(X_BT=Pose.from_matrix(X_BT), q=q, externals=np.zeros(0))
         own, outside = q[self.assembly.own], q[self.assembly.externals]
-        return Place(X_BT=Pose.from_matrix(X_BT), q=own, externals=outside)
+        return ArmPlace(X_BT=Pose.from_matrix(X_BT), q=own, externals=outside)

@@ -9,8 +9,8 @@ from typing import ClassVar, Final
 from gcodesim.frames import Array, Pose
 from gcodesim.post.angles import quaternion
 from gcodesim.post.language import (
-    Language,
-    Written,
+    RobotLanguage,
+    WrittenFiles,
     degrees,
     external_values,
     heading,
@@ -21,7 +21,7 @@ from gcodesim.post.language import (
     plain,
     seen_from,
 )
-from gcodesim.post.moves import Halt, Move, Place, Remark, RobotProgram, Step, Switch, Wait
+from gcodesim.post.moves import ArmPlace, Remark, RobotHalt, RobotMove, RobotProgram, RobotStep, RobotSwitch, RobotWait
 from gcodesim.post.posture import posture_of
 from gcodesim.units import MM
 
@@ -32,7 +32,7 @@ _FULL_SPEED: Final = 7.0  # [m/s] that stands for full speed of the joints
 _LEAST_MASS: Final = 0.001  # [kg] of a tool that a control takes
 
 
-class Rapid(Language):
+class RapidCode(RobotLanguage):
     """`--for rapid`."""
 
     kind: ClassVar[str] = "rapid"
@@ -43,7 +43,7 @@ class Rapid(Language):
     def signal(self, digital: bool, number: int) -> str:
         return f"{'do' if digital else 'ao'}{number}"
 
-    def write(self, program: RobotProgram) -> Written:
+    def write(self, program: RobotProgram) -> WrittenFiles:
         name = name_in(self, program.name)
         parts = list(parts_of(program.steps, self.most_moves))
         writer = _Writer(self, program)
@@ -51,13 +51,13 @@ class Rapid(Language):
         data = [f"  {line}" for line in writer.declared()]
         if len(parts) == 1:
             body = writer.procedure(name, parts[0])
-            return Written(files={f"{name}.mod": _module(name, [*head, *data, *body])})
+            return WrittenFiles(files={f"{name}.mod": _module(name, [*head, *data, *body])})
         names = [f"{name}_{number}" for number in range(1, len(parts) + 1)]
         calls = [f"  PROC {name}()", *(f"    {one};" for one in names), "  ENDPROC"]
         files = {f"{name}.mod": _module(f"{name}_0", [*head, *data, *calls])}
         for one, part in zip(names, parts, strict=True):
             files[f"{one}.mod"] = _module(f"{one}_m", writer.procedure(one, part))
-        return Written(files=files)
+        return WrittenFiles(files=files)
 
 
 def _module(name: str, lines: Iterable[str]) -> str:
@@ -67,7 +67,7 @@ def _module(name: str, lines: Iterable[str]) -> str:
 class _Writer:
     """Puts steps into words, each of which says all that holds for it."""
 
-    def __init__(self, language: Rapid, program: RobotProgram) -> None:
+    def __init__(self, language: RapidCode, program: RobotProgram) -> None:
         self.language, self.program = language, program
 
     def declared(self) -> Iterator[str]:
@@ -81,7 +81,7 @@ class _Writer:
             X_KP = self.language.X_KP(self.program, frame)
             yield f'PERS wobjdata wobj_{n}:=[FALSE,TRUE,"",{_pose(X_KP)},[[0,0,0],[1,0,0,0]]];'
 
-    def procedure(self, name: str, steps: Sequence[Step]) -> Iterator[str]:
+    def procedure(self, name: str, steps: Sequence[RobotStep]) -> Iterator[str]:
         yield f"  PROC {name}()"
         taken = -1
         for at, step in enumerate(steps):
@@ -94,20 +94,20 @@ class _Writer:
                 yield f"    {line}"
         yield "  ENDPROC"
 
-    def _said(self, step: Step, switch: Step | None) -> Iterator[str]:
-        if isinstance(step, Move):
-            yield self._move(step, switch if isinstance(switch, Switch) else None)
-        elif isinstance(step, Wait):
+    def _said(self, step: RobotStep, switch: RobotStep | None) -> Iterator[str]:
+        if isinstance(step, RobotMove):
+            yield self._move(step, switch if isinstance(switch, RobotSwitch) else None)
+        elif isinstance(step, RobotWait):
             yield f"WaitTime \\InPos,{number(step.seconds, 3)};"
-        elif isinstance(step, Halt):
+        elif isinstance(step, RobotHalt):
             yield f"! {plain(step.text)}"
             yield "Stop;"
         elif isinstance(step, Remark):
             yield f"! {plain(step.text)}"
-        elif isinstance(step, Switch):
+        elif isinstance(step, RobotSwitch):
             yield f"SetDO {step.signal},{int(bool(step.value))};" if step.digital else _analog(step)
 
-    def _move(self, move: Move, switch: Switch | None) -> str:
+    def _move(self, move: RobotMove, switch: RobotSwitch | None) -> str:
         where = f" ! {line_of(move)}" if line_of(move) else ""
         zone = "fine" if move.blend <= _LEAST_ZONE else _zone(move.blend)
         tool = f"tool_{move.tool}"
@@ -126,30 +126,30 @@ class _Writer:
             return f"MoveLDO {to},{along},{switch.signal},{int(bool(switch.value))};{where}"
         return f"MoveL {to},{along};{where}"
 
-    def _target(self, place: Place, X_BP: Pose) -> str:
+    def _target(self, place: ArmPlace, X_BP: Pose) -> str:
         p, R = seen_from(X_BP, place)
         tip = ",".join(number(float(v), 4) for v in p)
         return f"[[{tip}],{_quaternion(R)},{self._conf(place)},{self._externals(place)}]"
 
-    def _conf(self, place: Place) -> str:
+    def _conf(self, place: ArmPlace) -> str:
         """Quadrants of axes 1, 4 and 6, and how the arm stands."""
         quarters = [math.floor(a / 90.0) for a in degrees(place.q)[:6]]
         posture = posture_of(self.program.kinematics, place.q)
         stands = 0 if posture is None else 4 * posture.behind + 2 * posture.elbow_back + posture.wrist_negative
         return f"[{quarters[0]},{quarters[3]},{quarters[5]},{stands}]"
 
-    def _externals(self, place: Place) -> str:
+    def _externals(self, place: ArmPlace) -> str:
         values = [number(v, 5) for v in external_values(self.program, place)]
         return f"[{','.join([*values, *[_NO_AXIS] * (_AXES - len(values))])}]"
 
 
-def _at_corner(step: Step, after: Step | None) -> bool:
+def _at_corner(step: RobotStep, after: RobotStep | None) -> bool:
     """Whether an output is switched in the corner at the end of a line: one instruction says both."""
-    line = isinstance(step, Move) and step.kind == "linear"
-    return line and isinstance(after, Switch) and after.digital and after.with_motion
+    line = isinstance(step, RobotMove) and step.kind == "linear"
+    return line and isinstance(after, RobotSwitch) and after.digital and after.with_motion
 
 
-def _analog(step: Switch) -> str:
+def _analog(step: RobotSwitch) -> str:
     return f"SetAO {step.signal},{number(step.value, 6)};"
 
 

@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING, Final
 
 from gcodesim import canon
 from gcodesim.diagnostics import Diagnostic, Severity, Span
-from gcodesim.post.moves import Halt, Remark, Step, Switch, Wait
+from gcodesim.post.moves import Remark, RobotHalt, RobotStep, RobotSwitch, RobotWait
 from gcodesim.units import RPM
 
 if TYPE_CHECKING:
-    from gcodesim.post.language import Language
+    from gcodesim.post.language import RobotLanguage
 
 _STATES: Final = (
     canon.ToolSelect, canon.ToolOffset, canon.WorkSystem, canon.PathMode, canon.PlannerLimits, canon.PointControl,
@@ -24,19 +24,19 @@ SIGNALS: Final = ("spindle", "reverse", "speed", "flood", "mist")
 class Said:
     """Turns events into steps, with `signals` as the user has named them; what cannot be said is in `findings`."""
 
-    def __init__(self, language: Language, signals: Mapping[str, str]) -> None:
+    def __init__(self, language: RobotLanguage, signals: Mapping[str, str]) -> None:
         self._language, self._signals = language, signals
         self.findings: list[Diagnostic] = []
         self.used: set[str] = set()
         self._unsaid: set[str] = set()
         self._has_tool = False
 
-    def steps(self, event: canon.Event) -> Iterator[Step]:
+    def steps(self, event: canon.Event) -> Iterator[RobotStep]:
         """The steps of one event."""
         span = event.span
         if isinstance(event, canon.Dwell):
             if event.seconds > 0.0:
-                yield Wait(span=span, seconds=event.seconds)
+                yield RobotWait(span=span, seconds=event.seconds)
         elif isinstance(event, canon.Output):
             letter = "P" if event.type == "digital" else "E"
             yield from self._switch(
@@ -51,16 +51,16 @@ class Said:
             yield from self._switch(span, f"M{event.m}", True, 1.0, False)
         elif isinstance(event, (canon.ToolChange, canon.ToolNumber)):
             if self._has_tool:
-                yield Halt(span=span, text=f"tool T{event.tool}")
+                yield RobotHalt(span=span, text=f"tool T{event.tool}")
             self._has_tool = True
         elif isinstance(event, canon.Stop):
-            yield Halt(span=span, text="stop of the program")
+            yield RobotHalt(span=span, text="stop of the program")
         elif isinstance(event, (canon.Message, canon.Print, canon.Log)):
             yield Remark(span=span, text=event.text)
         elif not isinstance(event, _STATES):
             self._not_said(span, type(event).__name__, "")
 
-    def _spindle(self, event: canon.Spindle) -> Iterator[Step]:
+    def _spindle(self, event: canon.Spindle) -> Iterator[RobotStep]:
         on = event.direction != "off"
         turning = event.speed if event.unit == "rad/s" else 0.0
         if on:
@@ -72,7 +72,7 @@ class Said:
 
     def _switch(
         self, span: Span, name: str, digital: bool, value: float, with_motion: bool, *, matters: bool = True
-    ) -> Iterator[Step]:
+    ) -> Iterator[RobotStep]:
         """Set what the program calls `name`; a finding where the control has no output for it, if it `matters`."""
         own = self._signals.get(name, "")
         if not own and name[0] in "PE" and name[1:].isdigit():
@@ -83,7 +83,9 @@ class Said:
             return
         self.used.add(name)
         signal, _, fixed = own.partition(":")
-        yield Switch(span=span, signal=signal, digital=digital, value=float(fixed or value), with_motion=with_motion)
+        yield RobotSwitch(
+            span=span, signal=signal, digital=digital, value=float(fixed or value), with_motion=with_motion
+        )
 
     def _not_said(self, span: Span, what: str, hint: str) -> None:
         if what in self._unsaid:

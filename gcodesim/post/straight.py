@@ -12,18 +12,18 @@ from gcodesim.arithmetic.matrices import dot, multiplied, norm
 from gcodesim.frames import Array, rotation_about
 from gcodesim.frozen import frozen
 from gcodesim.post.angles import rotation_vector
-from gcodesim.post.moves import Place
+from gcodesim.post.moves import ArmPlace
 from gcodesim.units import DEG
 
 TURN: Final = 0.02 * DEG
 """[rad] by which the attitude of the tool may be off."""
 _LEVER: Final = 0.1  # [m] of a turn that counts like so much way
 
-Stray = Callable[[Place, Place, Place], float]
+Stray = Callable[[ArmPlace, ArmPlace, ArmPlace], float]
 """How far a place is off the way between two others, as a share of what is allowed."""
 
 
-def needed(places: Sequence[Place], stray: Stray) -> list[int]:
+def needed(places: Sequence[ArmPlace], stray: Stray) -> list[int]:
     """Numbers of the places, in order and without the first, between which a control keeps to all the others.
 
     Halves a stretch until nothing in it strays by more than 1.
@@ -50,7 +50,7 @@ class StrayOfLine:
 
     tolerance: float
 
-    def __call__(self, start: Place, end: Place, place: Place) -> float:
+    def __call__(self, start: ArmPlace, end: ArmPlace, place: ArmPlace) -> float:
         p, q = start.X_BT.p, end.X_BT.p
         turn = np.array(rotation_vector(multiplied(start.X_BT.R.T, end.X_BT.R)))
         angle, chord = norm(turn), norm(q - p)
@@ -69,7 +69,7 @@ class StrayOfJoints:
     tolerance: float
     tip: Callable[[Array, Array], Array]
 
-    def __call__(self, start: Place, end: Place, place: Place) -> float:
+    def __call__(self, start: ArmPlace, end: ArmPlace, place: ArmPlace) -> float:
         a, b, c = (np.concatenate([one.q, one.externals]) for one in (start, end, place))
         share = _share(a, b, c)
         joined = a + share * (b - a)
@@ -84,7 +84,7 @@ def _share(a: Array, b: Array, c: Array) -> float:
     return 0.0 if square == 0.0 else min(1.0, max(0.0, float(np.sum((c - a) * way)) / square))
 
 
-def _share_of_turn(start: Place, turn: Array, place: Place) -> float:
+def _share_of_turn(start: ArmPlace, turn: Array, place: ArmPlace) -> float:
     here = np.array(rotation_vector(multiplied(start.X_BT.R.T, place.X_BT.R)))
     return _share(np.zeros(3), turn, here)
 

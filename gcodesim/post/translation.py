@@ -12,7 +12,7 @@ from typing import Any, Final
 from gcodesim import canon
 from gcodesim.diagnostics import Diagnostic, Severity, SourceText, Span
 from gcodesim.frozen import frozen
-from gcodesim.post.gcode_program import PRINTERS, GcodeWriter, Line, NotTranslatedError
+from gcodesim.post.gcode_program import PRINTERS, GcodeLine, GcodeWriter, NotTranslatedError
 from gcodesim.rs274 import Settings, ToolTable, interpret
 from gcodesim.rs274.assumed import assumed_tools
 
@@ -111,7 +111,7 @@ def _refused(message: str, span: Span) -> Diagnostic:
     )
 
 
-def _fault(events: list[canon.Event], lines: list[Line], text: str, settings: Settings) -> Diagnostic | None:
+def _fault(events: list[canon.Event], lines: list[GcodeLine], text: str, settings: Settings) -> Diagnostic | None:
     """What the other control would not do, or do otherwise."""
     run = interpret(SourceText("posted", text.encode()), settings)
     again = list(run)

@@ -8,8 +8,8 @@ from typing import ClassVar, Final
 from gcodesim.arithmetic.matrices import multiplied
 from gcodesim.frames import Array, Pose
 from gcodesim.post.angles import half_turn, rotation_vector
-from gcodesim.post.language import Language, Written, heading, line_of, name_in, number, plain, seen_from
-from gcodesim.post.moves import Halt, Move, Place, Remark, RobotProgram, Step, Switch, Wait
+from gcodesim.post.language import RobotLanguage, WrittenFiles, heading, line_of, name_in, number, plain, seen_from
+from gcodesim.post.moves import ArmPlace, Remark, RobotHalt, RobotMove, RobotProgram, RobotStep, RobotSwitch, RobotWait
 from gcodesim.units import MM
 
 ACCELERATION: Final = 1.2
@@ -19,7 +19,7 @@ JOINT_ACCELERATION: Final = 1.4
 _LEAST_ZONE: Final = 1e-6  # [m] of a blend that is written
 
 
-class UrScript(Language):
+class UrScript(RobotLanguage):
     """`--for urscript`."""
 
     kind: ClassVar[str] = "urscript"
@@ -35,18 +35,18 @@ class UrScript(Language):
             return Pose(found.p, multiplied(found.R, half_turn()))
         return found
 
-    def write(self, program: RobotProgram) -> Written:
+    def write(self, program: RobotProgram) -> WrittenFiles:
         name = name_in(self, program.name)
         lines = [f"# {line}" for line in heading(program, self)]
         lines.append(f"def {name}():")
         lines += [f"  {line}" for line in _frames(program, self)]
         tool = None
         for step in program.steps:
-            if isinstance(step, Move) and step.tool != tool:
+            if isinstance(step, RobotMove) and step.tool != tool:
                 tool = step.tool
                 lines += [f"  {line}" for line in _tool(program, tool)]
             lines += [f"  {line}" for line in _said(program, step)]
-        return Written(files={f"{name}.script": "".join(f"{line}\n" for line in [*lines, "end", f"{name}()"])})
+        return WrittenFiles(files={f"{name}.script": "".join(f"{line}\n" for line in [*lines, "end", f"{name}()"])})
 
 
 def _frames(program: RobotProgram, language: UrScript) -> Iterator[str]:
@@ -63,24 +63,24 @@ def _tool(program: RobotProgram, number_of_tool: int) -> Iterator[str]:
         yield f"set_target_payload({number(tool.mass, 4)}, [{centre}])"
 
 
-def _said(program: RobotProgram, step: Step) -> Iterator[str]:
-    if isinstance(step, Move):
+def _said(program: RobotProgram, step: RobotStep) -> Iterator[str]:
+    if isinstance(step, RobotMove):
         yield f"{_move(program, step)}{f'  # {line_of(step)}' if line_of(step) else ''}"
-    elif isinstance(step, Wait):
+    elif isinstance(step, RobotWait):
         yield f"sleep({number(step.seconds, 3)})"
-    elif isinstance(step, Halt):
+    elif isinstance(step, RobotHalt):
         text = plain(step.text).replace('"', "'")
         yield f'popup("{text}", title="gcodesim", blocking=True)'
     elif isinstance(step, Remark):
         yield f"# {plain(step.text)}"
-    elif isinstance(step, Switch):
+    elif isinstance(step, RobotSwitch):
         if step.digital:
             yield f"set_standard_digital_out({step.signal}, {bool(step.value)})"
         else:
             yield f"set_standard_analog_out({step.signal}, {number(step.value, 6)})"
 
 
-def _move(program: RobotProgram, move: Move) -> str:
+def _move(program: RobotProgram, move: RobotMove) -> str:
     radius = number(move.blend, 6) if move.blend > _LEAST_ZONE else "0"
     if move.kind == "joint":
         joints = ",".join(number(float(q), 7) for q in move.to.q)
@@ -95,7 +95,7 @@ def _move(program: RobotProgram, move: Move) -> str:
     return f"movec(pose_trans({frame}, {_place(move.via, X_BP)}), {to}, {along}, mode=1)"
 
 
-def _place(place: Place, X_BP: Pose) -> str:
+def _place(place: ArmPlace, X_BP: Pose) -> str:
     p, R = seen_from(X_BP, place)
     return _pose(p * MM, R)
 

@@ -16,7 +16,7 @@ from gcodesim.diagnostics import SourceText
 from gcodesim.jobs.job import Job
 from gcodesim.post import LANGUAGES
 from gcodesim.post.from_plan import NotPostedError, Wish, program_of
-from gcodesim.post.language import Written
+from gcodesim.post.language import WrittenFiles
 from gcodesim.simulation import prepare
 
 from .readers import READERS, Read, Target
@@ -72,7 +72,7 @@ def job(kind: str, mode: str = "G61.1", turned: float = 0.0) -> Job:
     )
 
 
-def written(of: Job, kind: str, **wish: object) -> Written:
+def written(of: Job, kind: str, **wish: object) -> WrittenFiles:
     language = LANGUAGES[kind]()
     return language.write(program_of(of, language, Wish(**wish))[0])
 
