@@ -67,7 +67,7 @@ class FanucLs(RobotLanguage):
         names = [f"{name}_{number}" for number in range(1, len(parts) + 1)]
         files = {f"{name}.ls": writer.program_text(name, [*writer.opening(), *(f"  CALL {one}" for one in names)])}
         for one, part in zip(names, parts, strict=True):
-            files[f"{one}.ls"] = writer.program_text(one, list(writer.body(part)))
+            files[f"{one}.ls"] = writer.program_text(one, ["  !a part, by gcodesim", *writer.body(part)])
         return WrittenFiles(files=files, findings=tuple(writer.findings))
 
 

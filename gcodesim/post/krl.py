@@ -80,7 +80,7 @@ class _Writer:
             ]
         for step in steps:
             lines += [f"  {line}" for line in self._said(step, points)]
-        data = [*_OPENING, f"DEFDAT {name}", *(f"  {point}" for point in points), "ENDDAT"]
+        data = [*_OPENING, f"DEFDAT {name}", "  ; points, by gcodesim", *(f"  {point}" for point in points), "ENDDAT"]
         return _text([*lines, "END"]), _text(data)
 
     def _said(self, step: RobotStep, points: list[str]) -> Iterator[str]:

@@ -56,7 +56,9 @@ class RapidCode(RobotLanguage):
         calls = [f"  PROC {name}()", *(f"    {one};" for one in names), "  ENDPROC"]
         files = {f"{name}.mod": _module(f"{name}_0", [*head, *data, *calls])}
         for one, part in zip(names, parts, strict=True):
-            files[f"{one}.mod"] = _module(f"{one}_m", writer.procedure(one, part))
+            files[f"{one}.mod"] = _module(
+                f"{one}_m", [f"  ! a part of {name}, by gcodesim", *writer.procedure(one, part)]
+            )
         return WrittenFiles(files=files)
 
 

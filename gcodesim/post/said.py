@@ -17,6 +17,7 @@ _STATES: Final = (
     canon.ToolSelect, canon.ToolOffset, canon.WorkSystem, canon.PathMode, canon.PlannerLimits, canon.PointControl,
     canon.Override, canon.SectionStart, canon.End, canon.EndOfFile, canon.OptionalStop, canon.PalletShuttle,
 )  # fmt: skip
+_OUTPUTS: Final = {62: (1.0, True), 63: (0.0, True), 64: (1.0, False), 65: (0.0, False)}
 SIGNALS: Final = ("spindle", "reverse", "speed", "flood", "mist")
 """Names of what has no number in a program."""
 
@@ -48,7 +49,7 @@ class Said:
             yield from self._switch(span, "flood", True, float(event.flood), False, matters=event.flood)
             yield from self._switch(span, "mist", True, float(event.mist), False, matters=event.mist)
         elif isinstance(event, canon.Action):
-            yield from self._switch(span, f"M{event.m}", True, 1.0, False)
+            yield from self._action(event)
         elif isinstance(event, (canon.ToolChange, canon.ToolNumber)):
             if self._has_tool:
                 yield RobotHalt(span=span, text=f"tool T{event.tool}")
@@ -59,6 +60,14 @@ class Said:
             yield Remark(span=span, text=event.text)
         elif not isinstance(event, _STATES):
             self._not_said(span, type(event).__name__, "")
+
+    def _action(self, event: canon.Action) -> Iterator[RobotStep]:
+        """An M-code of the cell; where that is an output of the program, by its number."""
+        if event.m in _OUTPUTS and event.p is not None:
+            value, with_motion = _OUTPUTS[event.m]
+            yield from self._switch(event.span, f"P{event.p:g}", True, value, with_motion)
+            return
+        yield from self._switch(event.span, f"M{event.m}", True, 1.0, False)
 
     def _spindle(self, event: canon.Spindle) -> Iterator[RobotStep]:
         on = event.direction != "off"

@@ -165,6 +165,21 @@ def test_outputs_stand_where_the_program_switches(kind: str) -> None:
     assert steps.index(10) < steps.index(("7", 0.0)) < steps.index(("2", 0.5)) < steps.index(14)
 
 
+def test_codes_of_the_cell_that_are_outputs_keep_their_numbers() -> None:
+    text = CELL.format(arm=ARMS["krl"], home=HOMES["krl"], turned=0.0)
+    text = text.replace("  2: {type: flat_end_mill, diameter: 6, flutes: 2, length: 80}", GRIPPER)
+    of = prepare(
+        SourceText("part.nc", b"G21 G90\nT2 M6 G43 H2\nG0 X0 Y0 Z50\nM64 P3\nG0 X5\nM65 P3\nM2\n"),
+        read_cell(SourceText("arm.yaml", text.encode()), Path("arm.yaml")),
+    )
+    reads = read("krl", written(of, "krl").files)
+    assert [(one.signal, one.value) for one in reads if one.kind == "set"] == [("3", 1.0), ("3", 0.0)]
+
+
+GRIPPER = """  2: {type: suction_gripper, length: 80, cups: [{at: [0, 0], diameter: 30}], vacuum: 60 kPa}
+m_codes: {M64 P3: {gripper: close}, M65 P3: {gripper: open}}"""
+
+
 def test_what_has_no_output_is_told_once() -> None:
     language = LANGUAGES["krl"]()
     _, findings = program_of(job("krl"), language, Wish())
@@ -332,6 +347,7 @@ def test_long_programs_are_divided(kind: str, monkeypatch: pytest.MonkeyPatch) -
     divided = written(job(kind), kind).files
 
     assert len(divided) > 3
+    assert all("gcodesim" in text for text in divided.values())  # so that they may be written anew
     again = read(kind, divided)
     assert [(one.kind, one.line, one.speed, one.value) for one in again] == [
         (one.kind, one.line, one.speed, one.value) for one in whole
