@@ -132,3 +132,18 @@ def test_a_part_in_two_set_ups(cli, write) -> None:
     section = end.section(plane_origin=(50, 20, -10), plane_normal=(0, 0, 1))
     assert section is not None and len(section.entities) >= 2
     assert np.allclose(end.extents, (100, 60, 20), atol=1e-3)
+
+
+def test_a_cell_from_a_project_of_camotics(cli, write) -> None:
+    tool = {"units": "metric", "shape": "cylindrical", "length": 20, "diameter": 6}
+    bounds = {"automatic": False, "bounds": {"min": [0, 0, -10], "max": [40, 20, 0]}}
+    content = {"units": "metric", "resolution": 1, "tools": {"1": tool}, "workpiece": bounds, "files": ["slot.nc"]}
+    write("part.camotics", json.dumps(content))
+    done = cli("init", "made", "--from", "part.camotics")
+
+    assert done.status == 0 and "then gcodesim run slot.nc --cell made/cell.yaml" in done.out
+    assert cli("run", "slot.nc", "--cell", "made/cell.yaml", "--only", "shape").status == 0
+    assert json.loads(Path("out/results.json").read_text())["stocks"]["stock"]["initial_mm3"] == 8000.0
+    write("part.camotics", json.dumps({**content, "files": ["part.tpl"]}))
+    refused = cli("init", "other", "--from", "part.camotics")
+    assert refused.status == 2 and "tplang part.tpl" in refused.err and not Path("other").exists()

@@ -23,7 +23,8 @@ def add_parser(commands: Any) -> None:
         dest="program",
         type=Path,
         metavar="PROGRAM",
-        help="write only a cell in which this program runs: dialect, machine, tools and stock as it suggests them",
+        help="write only a cell in which this program runs: dialect, machine, tools and stock as it suggests them; "
+        "a project of CAMotics (.camotics) says tools, stock and resolution itself",
     )
     parser.set_defaults(run=run)
 
@@ -32,13 +33,19 @@ def run(arguments: argparse.Namespace) -> int:
     from gcodesim.files.whole_file import write_whole
     from gcodesim.starter.example import CELL, start_files
     from gcodesim.starter.first_cell import NoCellError, cell_for
+    from gcodesim.starter.project_cell import SUFFIX, cell_of_project, read_project
 
     folder = arguments.folder
     program = None if arguments.program is None else read_source(arguments.program, "program")
+    programs = [] if arguments.program is None else [arguments.program]
     if folder.exists() and not folder.is_dir():
         raise UsageError(f"{folder} is a file, not a folder")
     try:
-        files = start_files() if program is None else {CELL: cell_for(program)}
+        if arguments.program is not None and arguments.program.suffix.lower() == SUFFIX:
+            project = read_project(arguments.program)
+            files, programs = {CELL: cell_of_project(project)}, list(project.programs)
+        else:
+            files = start_files() if program is None else {CELL: cell_for(program)}
     except NoCellError as reason:
         raise UsageError(f"{reason}; nothing was written") from None
     present = [name for name in files if os.path.lexists(folder / name)]
@@ -54,5 +61,6 @@ def run(arguments: argparse.Namespace) -> int:
     if program is None:
         print(f"next: cd {folder} && gcodesim run part.nc --cell {CELL}")
     else:
-        print(f"next: look at {folder / CELL}, then gcodesim run {arguments.program} --cell {folder / CELL}")
+        each = ", ".join(f"gcodesim run {path} --cell {folder / CELL}" for path in programs)
+        print(f"next: look at {folder / CELL}, then {each}")
     return OK
