@@ -14,7 +14,7 @@ EXTRAS: Final = {
     "report": ("metaflow-card-uplot",),
     "ros": ("rosbags",),
     "rosbridge": ("roslibpy",),
-    "scale": ("distributed", "pyarrow", "cryptography"),
+    "scale": ("cryptography", "distributed", "pyarrow"),
     "usd": ("usd-core",),
 }
 """The packages of each extra that a command may need, as package indexes name them."""

@@ -21,7 +21,7 @@ class Interrupted(KeyboardInterrupt):
         self.number = number
 
 
-class Heard:
+class LastSignal:
     """The last signal that was handled inside a context; 0 before one arrives."""
 
     number = 0
@@ -33,7 +33,7 @@ def interrupted_by(number: int) -> int:
 
 
 @contextmanager
-def handled(handler: Callable[[int, FrameType | None], None] | None = None) -> Iterator[Heard]:
+def handled(handler: Callable[[int, FrameType | None], None] | None = None) -> Iterator[LastSignal]:
     """Call `handler` for the signals inside this context (default: raise `Interrupted`, and keep which one it was).
 
     What an exception becomes on its way out is up to those whom it passes: a run that ends in order tells of that.
@@ -41,7 +41,7 @@ def handled(handler: Callable[[int, FrameType | None], None] | None = None) -> I
     A signal that is ignored stays so, as under `nohup`. Only the main thread may handle signals; in another one
     nothing changes.
     """
-    heard = Heard()
+    heard = LastSignal()
 
     def end(number: int, _frame: FrameType | None) -> None:
         heard.number = number

@@ -13,7 +13,7 @@ from contextlib import contextmanager
 from typing import Final
 
 from gcodesim.cli.exits import INTERNAL, INTERRUPTED, OK, USAGE, UsageError
-from gcodesim.cli.interrupts import Heard, Interrupted, handled, interrupted_by
+from gcodesim.cli.interrupts import Interrupted, LastSignal, handled, interrupted_by
 from gcodesim.cli.overwriting import refuse_files_like_options, refuse_own_inputs
 from gcodesim.cli.parser import parser_for
 from gcodesim.cli.streams import drop_output
@@ -55,7 +55,7 @@ def _plain_streams() -> Iterator[None]:
 
 def _run(argv: Sequence[str] | None) -> int:
     arguments: Namespace | None = None
-    heard = Heard()
+    heard = LastSignal()
     try:
         with handled() as heard:
             take_back()

@@ -19,20 +19,18 @@ _MARGIN = 2.0  # [mm] around the part
 _ASIDE = 1e-9  # [m]: no point of the surface lies in the plane itself
 
 
-class Section(Exporter):
+class SectionDrawing(Exporter):
     """`--to svg`."""
 
     kind: ClassVar[str] = "svg"
-    says: ClassVar[str] = "a section of the part (--section z=-2), in mm"
+    says: ClassVar[str] = "a section of the part in mm, halfway up or where --section says (z=-2)"
     suffix: ClassVar[str] = ".svg"
     writes: ClassVar[Literal["text", "bytes", "folder"]] = "text"
     takes: ClassVar[frozenset[Option]] = frozenset(("at", "stock", "world", "section"))
 
     def write(self, recording: Recording, out: TextIO, request: Request) -> str:
-        if request.section is None:
-            raise NoExportError("where is the section? `--section z=-2`, x, y or z in mm of the part's own frame")
-        letter, place = request.section
         surface, _ = part_surface(recording, t_ns=request.at_ns, stock=request.stock, world=request.world)
+        letter, place = request.section or ("z", _halfway_up(surface))
         axis = "xyz".index(letter)
         low, high = surface.vertices[:, axis].min(), surface.vertices[:, axis].max()
         loops = loops_at(surface, axis, place)
@@ -41,7 +39,12 @@ class Section(Exporter):
             raise NoExportError(f"the part is nowhere at {letter.upper()}{place / MM:g}; it reaches from {reach}")
         area = abs(sum(area_of(loop) for loop in loops))
         out.write(_svg(loops, surface, axis, f"section at {letter.upper()}{place / MM:g} mm"))
-        return f"a section of {area / MM**2:.6g} mm² in {len(loops)} outline{'s' if len(loops) > 1 else ''}"
+        return f"a section of {area / (MM * MM):.6g} mm² in {len(loops)} outline{'s' if len(loops) > 1 else ''}"
+
+
+def _halfway_up(surface: Surface) -> float:
+    """Where a part is cut if nobody says: in the middle of its height [m]."""
+    return float(0.5 * (surface.vertices[:, 2].min() + surface.vertices[:, 2].max()))
 
 
 def loops_at(surface: Surface, axis: int, place: float) -> list[Array]:

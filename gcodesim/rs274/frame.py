@@ -37,7 +37,7 @@ class Frame:
 
     @property
     def calls_at_moves(self) -> bool:
-        """Whether each move calls a macro (G66 of Fanuc)."""
+        """Whether each move calls a macro."""
         return False
 
     def resume(self, file: ProgramFile) -> None:

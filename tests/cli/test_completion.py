@@ -116,7 +116,7 @@ class TestAsked:
 
     def test_commands(self, ask: Ask) -> None:
         assert ask("gcodesim ") >= {action.path[-1] for action in WHOLE.actions}
-        assert ask("gcodesim re") == {"report"}
+        assert ask("gcodesim re") == {"report", "restart"}
         assert ask("gcodesim cell ") == {"validate", "show", "schema"}
 
     def test_options_of_each_command(self, ask: Ask) -> None:
@@ -192,7 +192,7 @@ def test_every_value_says_what_it_may_be() -> None:
     assert free - lengths == {
         *("N", "S", "DAY", "PORT", "T", "FROM:TO", "FIRST:LAST", "NAME=VALUE", "NAME=PROGRAM", "A,B", "NAME"),
         *("NAME=OUTPUT", "HOST:PORT", "DEG"),
-        *("0|1", "FACTOR", "STEP", "OPTIONS"),
+        *("0|1", "FACTOR", "STEP", "OPTIONS", "ADDRESS", "AXIS=PLACE"),
     }
 
 

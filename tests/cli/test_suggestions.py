@@ -18,7 +18,7 @@ CELL = ("--cell", "cell.yaml")
         (("run", "slot.nc", "--cll", "cell.yaml"), "gcodesim run: there is no option --cll; did you mean --cell?"),
         (("run", "slot.nc", "--cll=cell.yaml"), "there is no option --cll; did you mean --cell?"),
         (("cell", "show", "cell.yaml", "--formt", "json"), "there is no option --formt; did you mean --format?"),
-        (("canon", "slot.nc", "--out", "x"), "there is no option --out; it is one of run, place, import"),
+        (("canon", "slot.nc", "--out", "x"), "there is no option --out; it is one of run, place, restart"),
         (("list", "tool"), "did you mean tools?"),
         (("run", "slot.nc", *CELL, "--world", "bulet"), "cannot be bulet, only kinematic, bullet; did you mean"),
         (("canon", "slot.nc", "--dialect", "fanuk"), "there is no dialect fanuk; did you mean fanuc?"),

@@ -38,7 +38,13 @@ def study(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 def client(*words: str, alone: bool = False) -> subprocess.Popen[bytes]:
     command = [sys.executable, "-m", "gcodesim", "sweep", "study.yaml", "--out", "out", *words]
-    return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, start_new_session=alone)
+    return subprocess.Popen(
+        command,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        start_new_session=alone,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),  # tests may run in the background
+    )
 
 
 def rows_kept(folder: Path) -> int:

@@ -88,12 +88,22 @@ def test_wrong_usage(cli):
 
 def test_an_interrupt_ends_it(cli, tmp_path):
     command = [sys.executable, "-m", "gcodesim", "watch", "slot.nc"]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=tmp_path) as process:
+    process = subprocess.Popen(
+        command,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        cwd=tmp_path,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),  # tests may run in the background
+    )
+    try:
         for line in process.stderr:
             if "waiting" in line:
                 break
         os.kill(process.pid, signal.SIGINT)
         said, told = process.communicate(timeout=60)
+    finally:
+        process.kill()
 
     assert process.returncode == 130
     assert "slot.nc: no errors" in said

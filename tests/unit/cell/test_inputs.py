@@ -65,7 +65,7 @@ def test_the_three_forms_are_read_and_shown() -> None:
         ("{P1: yes}", "GS707"),
         ("{P1: [1, 2]}", "GS706"),
         ("{P1: [[2 s, 1], [1 s, 0]]}", "GS711"),
-        ("{P1: {sensor: a}}", "GS706"),
+        ("{P1: {sensor: a}}", "GS712"),
         ("{P1: {output: Q3}}", "GS711"),
     ],
 )

@@ -13,7 +13,7 @@ import pytest
 from gcodesim.export.exporter import NoExportError, Request
 from gcodesim.export.heights import HeightNumbers, HeightPicture, heights_of
 from gcodesim.export.part import part_surface
-from gcodesim.export.section import Section, area_of, loops_at
+from gcodesim.export.section import SectionDrawing, area_of, loops_at
 from gcodesim.playback import Recording
 
 MM = 1e-3
@@ -67,7 +67,7 @@ def test_the_svg_is_a_picture_of_it(slot, axis):
     surface, _ = part_surface(slot)
     middle = float(surface.vertices.mean(axis=0)["xyz".index(axis)])
     out = StringIO()
-    said = Section().write(slot, out, Request(section=(axis, middle)))
+    said = SectionDrawing().write(slot, out, Request(section=(axis, middle)))
 
     assert said.startswith("a section of ") and "outline" in said
     assert out.getvalue().startswith("<svg ") and out.getvalue().split(' d="')[1].count("M") == int(
@@ -77,9 +77,15 @@ def test_the_svg_is_a_picture_of_it(slot, axis):
 
 def test_where_there_is_no_section(slot):
     with pytest.raises(NoExportError, match="nowhere at Z100; it reaches from"):
-        Section().write(slot, StringIO(), Request(section=("z", 0.1)))
-    with pytest.raises(NoExportError, match="--section z=-2"):
-        Section().write(slot, StringIO(), Request())
+        SectionDrawing().write(slot, StringIO(), Request(section=("z", 0.1)))
+
+
+def test_a_section_that_nobody_placed_is_halfway_up(slot):
+    placed, free = StringIO(), StringIO()
+    SectionDrawing().write(slot, free, Request())
+    low, high = (part_surface(slot)[0].vertices[:, 2].min(), part_surface(slot)[0].vertices[:, 2].max())
+    SectionDrawing().write(slot, placed, Request(section=("z", float(0.5 * (low + high)))))
+    assert free.getvalue() == placed.getvalue()
 
 
 def test_without_the_stock_file_there_are_no_heights(slot_folder):

@@ -190,6 +190,16 @@ def test_an_arm_follows_over_rosbridge(slot_folder: Path, off: float, status: in
     assert greatest == pytest.approx(off * unit, abs=0.2 + 0.05 * off * unit)  # a shift in time makes up for some
 
 
+def test_a_joint_that_does_not_follow_is_a_finding(slot_folder: Path) -> None:
+    bridge = Bridge(0.02)
+    bridge.start()
+    words = [sys.executable, "-m", "gcodesim", "ros", str(slot_folder), "--to", f"127.0.0.1:{bridge.port}"]
+    ran = subprocess.run([*words, "--listen", "2"], capture_output=True, text=True, timeout=60, check=False)
+
+    assert ran.returncode == 1
+    assert "error GS805" in ran.stdout + ran.stderr
+
+
 def test_nobody_there_is_said_in_words(slot_folder: Path) -> None:
     with socket.create_server(("127.0.0.1", 0)) as door:
         port = door.getsockname()[1]

@@ -26,6 +26,7 @@ def cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def answers(name: str) -> list[str]:
+    grammar._known_grammar.cache_clear()
     parse = parser_of.__wrapped__(name, PARTS.get(name, ""))
     out = []
     for line in LINES:
