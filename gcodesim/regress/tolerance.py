@@ -44,7 +44,14 @@ QUANTITIES: Final[Mapping[str, Compared]] = {
     "spindle": Compared(dimension="rotational speed", unit="rpm", default=Tolerance(0.0, 1e-3), what="spindle speed"),
     "dwell": Compared(dimension="time", unit="s", default=Tolerance(0.001), what="a dwell of the program"),
     "word": Compared(dimension="ratio", unit="", default=Tolerance(1e-6), what="other numbers of the program"),
-    "time": Compared(dimension="time", unit="s", default=Tolerance(0.01, 1e-3), what="all times of the results"),
+    "time": Compared(dimension="time", unit="s", default=Tolerance(0.01, 1e-3), what="all other times of the results"),
+    # where a cutter comes in and goes out is known to a step
+    "engaged": Compared(
+        dimension="time",
+        unit="s",
+        default=Tolerance(0.02, 2e-3),
+        what="how long material is removed or added, which is known to a step",
+    ),
     "distance": Compared(dimension="length", unit="mm", default=Tolerance(0.01, 1e-4), what="feed and rapid distance"),
     "volume": Compared(
         dimension="volume", unit="mm³", default=Tolerance(0.5, 1e-3), what="removed, deposited, remaining volume"
@@ -95,6 +102,7 @@ _PATHS: Final = tuple(
         (r"^(coating|target)\..*(share|share_outside|_mm2)$", "covered"),
         (r"_mm3$", "volume"),
         (r"_mm$", "distance"),
+        (r"engaged_s$", "engaged"),
         (r"_s$", "time"),
         (r"_N$", "force"),
         (r"_Nm$", "torque"),

@@ -39,6 +39,7 @@ ALLOWED = {  # by the end of a path: absolute, relative
     **{f"path_accuracy.{name}_mm": (0.005, 0.02) for name in ("AT", "AT_engaged", "rms")},
     "_mm3": (0.5, 1e-3),
     "_mm": (0.01, 1e-4),
+    "engaged_s": (0.02, 2e-3),
     "_s": (0.01, 1e-3),
     "_N": (0.5, 0.01),
     "_Nm": (0.01, 0.01),
