@@ -74,7 +74,7 @@ def kill(process: subprocess.Popen[bytes]) -> None:
 
 @pytest.fixture
 def cluster(tmp_path: Path):
-    """Makes clusters."""
+    """Makes clusters, for tests that kill their parts."""
     made: list[Cluster] = []
 
     def make(workers: int = 0, words: list[str] | None = None) -> Cluster:

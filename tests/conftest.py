@@ -5,6 +5,8 @@ import re
 
 import pytest
 
+from tests.cluster import Cluster
+
 os.environ.pop("FORCE_COLOR", None)  # build servers set it; tests compare text without colour
 
 CONFORMANCE = re.compile(
@@ -45,6 +47,15 @@ tools:
   2: {type: flat_end_mill, diameter: 10 mm}
 simulation: {world: kinematic}
 """
+
+
+@pytest.fixture(scope="session")
+def standing(tmp_path_factory):
+    """A cluster of Dask with two workers that serves many tests; none may end what it finds there."""
+    one = Cluster(folder=tmp_path_factory.mktemp("standing"))
+    one.start(workers=2)
+    yield one
+    one.stop()
 
 
 @pytest.fixture(scope="session")

@@ -8,6 +8,7 @@ memory of this process does not grow with their number. Who does not have the sa
 from __future__ import annotations
 
 import logging
+import math
 import time
 import warnings
 from collections.abc import Callable, Generator, Iterable, Iterator, Mapping
@@ -120,7 +121,7 @@ class Crew:
         self._threads: dict[str, int] = {}  # of workers that may work, by address
         self._refused: set[str] = set()
         self._parcels: dict[str, Future[bytes]] = {}
-        self._looked = 0.0
+        self._looked = -math.inf
         self._seen = time.monotonic()  # when there was somebody to work
         self._meet(wait=True)
 
@@ -199,7 +200,7 @@ class Crew:
             said = FileBundle.unpack(reply).said
             if said.get("state") != UNFIT:
                 return ended(task, reply)
-            self._looked = 0.0
+            self._looked = -math.inf
             self._meet()
             self._check_that_somebody_may()
             return None
@@ -229,7 +230,7 @@ class Crew:
         if self._threads:
             self._seen = self._looked
         if wait:
-            self._check_that_somebody_may()
+            self._check_that_somebody_may(joining=True)
 
     def _present(self) -> dict[str, int]:
         with suppress(Exception):  # it is told when a task is lost
@@ -251,7 +252,7 @@ class Crew:
             else:
                 self._threads[address] = threads[address]
 
-    def _check_that_somebody_may(self) -> None:
+    def _check_that_somebody_may(self, joining: bool = False) -> None:
         if self._threads:
             return
         if self._refused:
@@ -260,7 +261,7 @@ class Crew:
             )
         if self._client.status != "running":
             raise SchedulerLostError("the scheduler is gone")
-        if not self._looked:
+        if joining:
             raise NoWorkersError(f"no worker has joined the scheduler within {_WAIT_FOR_WORKERS_S:.0f} s")
 
 

@@ -7,9 +7,9 @@ from collections.abc import Generator, Iterable
 from typing import Any, Final, Protocol
 
 from gcodesim.frozen import frozen
-from gcodesim.scale.abilities import CODE, abilities
+from gcodesim.scale.abilities import abilities
 from gcodesim.scale.bundle import FileBundle, digest_of
-from gcodesim.scale.worker import Work, work
+from gcodesim.scale.worker import NEEDED, Work, work
 
 
 @frozen(eq=False)
@@ -38,7 +38,7 @@ class WorkerTask:
 
     @property
     def request(self) -> bytes:
-        asked = {CODE: abilities()[CODE], "said": self.said}
+        asked = {NEEDED: dict(abilities()), "said": self.said}
         return json.dumps(asked, ensure_ascii=False, allow_nan=False, sort_keys=True).encode()
 
 

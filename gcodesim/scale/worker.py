@@ -14,12 +14,13 @@ from pathlib import Path
 from typing import Any, Final
 
 from gcodesim.numbers import read_json
-from gcodesim.scale.abilities import CODE, abilities
+from gcodesim.scale.abilities import abilities, misfits
 from gcodesim.scale.bundle import BundleError, FileBundle, digest_of
 
 Work = Callable[[Any, Path], FileBundle]
 """Does a task: what it is told, and the folder with its files, which it must not change."""
 
+NEEDED: Final = "needed"
 UNFIT: Final = "unfit"
 DONE: Final = "done"
 _MOST_FOLDERS: Final = 8
@@ -39,13 +40,13 @@ def carried(data: bytes) -> bytes:
 
 
 def work(task: Work, request: bytes, bundle: bytes) -> bytes:
-    """Do one task: `request` is JSON with what is told, and for which code; `bundle` holds its files.
+    """Do one task: `request` is JSON with what is told, and what is needed for it; `bundle` holds its files.
 
     The reply is a bundle as well: what it says has the `state` (done, or unfit with a reason) and the time it took.
     """
     begin = time.perf_counter()
     asked = read_json(bytes(request))
-    if asked[CODE] != abilities()[CODE]:
+    if misfits(abilities(), asked[NEEDED]):
         return FileBundle(files={}, said={"state": UNFIT, "abilities": dict(abilities())}).pack()
     with _one_at_a_time:
         try:
@@ -88,4 +89,4 @@ def stand_in(said: Any, folder: Path) -> FileBundle:
     return FileBundle(files={}, said={"number": said["number"]})
 
 
-__all__ = ["DONE", "UNFIT", "BundleError", "Work", "carried", "hello", "stand_in", "work"]
+__all__ = ["DONE", "NEEDED", "UNFIT", "BundleError", "Work", "carried", "hello", "stand_in", "work"]

@@ -17,9 +17,7 @@ from gcodesim.regress.verdicts import CaseVerdict, JudgedFinding
 from gcodesim.scale.hands import Alone
 from gcodesim.scale.plain_values import as_plain, from_plain
 from tests.cli.conftest import CELL, SLOT
-from tests.cluster import cluster
-
-__all__ = ["cluster"]
+from tests.cluster import Cluster
 
 
 @pytest.fixture
@@ -59,12 +57,13 @@ def test_workers_elsewhere_come_to_the_same_verdict(suite: Path) -> None:
     assert [one.files.keys() for one in judged_by(Alone(), collected.cases, how)]
 
 
-def test_a_scheduler_prints_the_same_bytes(suite: Path, cluster, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_scheduler_prints_the_same_bytes(
+    suite: Path, standing: Cluster, capsys: pytest.CaptureFixture[str]
+) -> None:
     from gcodesim.cli import main
 
-    one = cluster(workers=2)
     said = []
-    for words in ([], ["--scheduler", one.address]):
+    for words in ([], ["--scheduler", standing.address]):
         for form in (["-v"], ["--format", "json"], ["--format", "junit"]):
             status = main(["test", "suite", "--cache", str(suite.parent.parent / f"cache{len(said)}"), *form, *words])
             said.append((status, capsys.readouterr().out))

@@ -13,8 +13,9 @@ from pathlib import Path
 import pytest
 
 from gcodesim.cli import main
+from gcodesim.sweep.journal import Journal
 from tests.cli.test_sweep import CELL, PROGRAM
-from tests.cluster import cluster, kill
+from tests.cluster import Cluster, cluster, kill
 
 __all__ = ["cluster"]
 STUDY = """program: slot.nc
@@ -68,6 +69,52 @@ def as_if_alone(folder: Path) -> bool:
     return tables and runs[0] == runs[1] and len(runs[0]) == 9
 
 
+def test_a_worker_and_the_scheduler_die_and_no_run_is_lost(
+    study: Path, cluster, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+):
+    one = cluster(workers=2)
+    dies = {1: one.workers[0], 3: one.scheduler}
+    add = Journal.add
+
+    def add_and_kill(journal: Journal, key: str, said: object) -> None:
+        add(journal, key, said)
+        if (process := dies.pop(rows_kept(study), None)) is not None:
+            kill(process)
+
+    monkeypatch.setattr(Journal, "add", add_and_kill)
+
+    assert main(["sweep", "study.yaml", "--out", "out", "--scheduler", one.address]) == 2
+
+    said = capsys.readouterr().err
+    assert "the scheduler is gone" in said and "`--resume` goes on" in said
+    assert 3 <= rows_kept(study) < 8
+    assert main(["sweep", "study.yaml", "--out", "out", "--resume", "-j", "1"]) == 0
+    assert as_if_alone(study)
+
+
+def test_ctrl_c_keeps_what_is_done(study: Path, standing: Cluster):
+    check_that_ctrl_c_keeps_what_is_done(study, "--scheduler", standing.address)
+
+
+def check_that_ctrl_c_keeps_what_is_done(folder: Path, *words: str) -> None:
+    (folder / "study.yaml").write_text(STUDY.replace("steps: 8", "steps: 100"))  # more than are under way at once
+    process = client(*words, alone=True)
+    wait_for(folder, 1, process)
+    os.killpg(process.pid, signal.SIGINT)  # as a terminal does: to all processes of the command
+
+    said = process.communicate(timeout=60)[0].decode()
+
+    assert process.returncode == 130
+    assert "Traceback" not in said and "`--resume` goes on" in said
+    assert (folder / "out" / "runs.csv").read_text().count("\n") == rows_kept(folder) + 1
+
+
+@pytest.mark.slow
+def test_ctrl_c_reaches_the_command_and_leaves_no_worker(study: Path):
+    check_that_ctrl_c_keeps_what_is_done(study, "-j", "2")
+
+
+@pytest.mark.slow
 def test_two_schedulers_die_and_a_third_process_finishes(study: Path, cluster):
     first = cluster(workers=2)
     process = client("--scheduler", first.address)
@@ -88,18 +135,6 @@ def test_two_schedulers_die_and_a_third_process_finishes(study: Path, cluster):
     assert main(["sweep", "study.yaml", "--out", "out", "--resume", "--scheduler", second.address]) == 0
 
     assert as_if_alone(study)
-
-
-def test_ctrl_c_keeps_what_is_done_and_leaves_no_process(study: Path):
-    process = client("-j", "2", alone=True)
-    wait_for(study, 1, process)
-    os.killpg(process.pid, signal.SIGINT)  # as a terminal does: to all processes of the command
-
-    said = process.communicate(timeout=60)[0].decode()
-
-    assert process.returncode == 130
-    assert "Traceback" not in said and "`--resume` goes on" in said
-    assert (study / "out" / "runs.csv").read_text().count("\n") == rows_kept(study) + 1
 
 
 @pytest.mark.slow
