@@ -24,6 +24,7 @@ from gcodesim.checks.empty_spindle import empty_spindle_findings
 from gcodesim.checks.ends import left_on
 from gcodesim.checks.idle import blind_axis_findings
 from gcodesim.checks.speed import speed_findings
+from gcodesim.checks.told_once import told_once
 from gcodesim.diagnostics import Diagnostic, Severity, Span
 from gcodesim.frames import Array
 from gcodesim.jobs.meetings import is_wait, lone_marks
@@ -235,8 +236,11 @@ class Legs:
 
     def _found(self, plan: Plan) -> Iterator[Diagnostic]:
         """Findings about the plan of one leg."""
+        return told_once(plan.findings, self._hits(plan))
+
+    def _hits(self, plan: Plan) -> Iterator[Diagnostic]:
+        """What is checked of a plan once it is made."""
         shop = self.shop
-        yield from plan.findings
         yield from blind_axis_findings(plan.path, shop.mover)
         yield from speed_findings(plan, shop.cell.limits.spindle_speed)
         if shop.cell.fixtures:

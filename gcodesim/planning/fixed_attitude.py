@@ -42,8 +42,8 @@ from gcodesim.planning.obstacles import Around, Obstacles
 from gcodesim.planning.plan import JointPath
 from gcodesim.planning.posing import Posed
 from gcodesim.planning.reach import report_poses, report_slow_motors
-from gcodesim.planning.route import TRIALS, dead_end, route_along
-from gcodesim.planning.route_findings import report_dead_end, report_route
+from gcodesim.planning.route import TRIALS, DeadEnd, dead_end, route_along
+from gcodesim.planning.route_findings import ToldEnd, report_dead_end, report_route
 from gcodesim.planning.spin_choice import SampledPath, SpinChoice, choose_spin
 from gcodesim.planning.stands import Stands
 from gcodesim.planning.travel import report_missing_axes, report_travel
@@ -159,9 +159,9 @@ class FixedAttitude:
             flange = replace(flange, guide=guide)
         begun = Nodes.of(pieces, at_home) if guide is None else Nodes.of(pieces, at_home, _CLOSER)
         solved = _solve(arm, flange, begun, choice, own)
-        part = ""
+        told = ToldEnd()
         if not self._will_do(arm, flange, *solved) or self._hit(flange, *solved) is not None:
-            flange, solved, choice, part = self._searched(arm, flange, begun, choice, own, solved, findings)
+            flange, solved, choice, told = self._searched(arm, flange, begun, choice, own, solved, findings)
         for refinement in range(_REFINEMENTS):
             nodes, q_own, status = solved
             bridged = _bridge(nodes, q_own, status)
@@ -171,7 +171,7 @@ class FixedAttitude:
             if finer is None:
                 break
             solved = _solved_at(arm, flange, finer, choice, own)
-        report_poses(arm, flange, nodes, q_own, status, probe, choice, own, part, findings)
+        report_poses(arm, flange, nodes, q_own, status, probe, choice, own, told, findings)
         rest = home if self.home is None else self.home
         ends = {rows.row(row): q for row, q in goals.items()}
         moves = _joint_moves(kinematics, pieces, nodes, q_nodes, home, rest, ends)
@@ -294,22 +294,22 @@ class FixedAttitude:
         home: Array,
         simple: Solved,
         findings: Findings,
-    ) -> tuple[Flange, Solved, SpinChoice, str]:
+    ) -> tuple[Flange, Solved, SpinChoice, ToldEnd]:
         """Flange, joints and where they begin, by the search over all configurations.
 
-        It keeps clear of obstacles, or else passes through them. Where there is no way, they are as they were, and the
-        text says which part of the path can be run.
+        It keeps clear of obstacles, or else passes through them. Where there is no way, they are as they were, with
+        what has been told of that.
         """
         free = self.spin is None
         straight = flange.unturned() if free else flange
         dense = simple[0] if len(simple[0]) > len(nodes) else nodes
         if not dense.chains:
-            return flange, simple, choice, ""
+            return flange, simple, choice, ToldEnd()
         will_do, hit = self._will_do(kinematics, flange, *simple), self._hit(flange, *simple)
-        told = ""
+        blocked: DeadEnd | None = None
         for obstacles in dict.fromkeys((self.obstacles, None)):
             if obstacles is None and will_do:
-                return flange, simple, choice, told
+                break
             chains = 0
             for trial in TRIALS:
                 route = route_along(
@@ -323,15 +323,18 @@ class FixedAttitude:
                 solved = _solve(kinematics, turning, nodes, found, home)
                 clear = obstacles is None or self._hit(turning, *solved) is None
                 if self._will_do(kinematics, turning, *solved) and clear:
-                    if not told:
+                    if blocked is None:
                         report_route(flange, route.turning, solved[0], hit if will_do else None, findings)
-                    return turning, solved, found, ""
+                    else:
+                        report_dead_end(kinematics, straight, dense, blocked, findings)
+                    return turning, solved, found, ToldEnd()
             guilty = min(chains, len(dense.chains) - 1)
             end = dead_end(
                 kinematics, straight, dense, guilty, free=free, branches=self.branches, obstacles=obstacles
             )
             if end.obstacle is Hindrance.COLLISION or obstacles is None:
-                told = report_dead_end(kinematics, straight, dense, end, findings)
+                blocked = end
+        told = ToldEnd() if blocked is None else report_dead_end(kinematics, straight, dense, blocked, findings)
         return flange, simple, choice, told
 
     def after(self, leg: JointPath, path: ToolPath, home: Array) -> FixedAttitude:

@@ -68,6 +68,14 @@ class Nodes:
         start: Array = np.where(self.piece[i] == self.piece[i - 1], self.s[i - 1], 0.0)
         return start
 
+    def way(self, first: int, end: int) -> Array:
+        """How far (end - first,) [m, rad] each node from `first` to the one before `end` is along the path from there."""
+        length = np.zeros(end - first)
+        inner = np.arange(first + 1, end)
+        length[1:] = self.s[inner] - np.where(self.piece[inner] == self.piece[inner - 1], self.s[inner - 1], 0.0)
+        along: Array = np.cumsum(length)
+        return along
+
     def keys(self, lengths: Array) -> Array:
         """Numbers (k,) that grow along the path: piece and share of it; `lengths` are those of the pieces."""
         share = np.where(self.head, 1.0, self.s / np.maximum(lengths[self.piece], 1e-300))

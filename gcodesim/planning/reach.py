@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from gcodesim.arithmetic.distinct import distinct
 from gcodesim.diagnostics import Diagnostic, Findings
 from gcodesim.frames import Array
+from gcodesim.kinematics.protocol import Status
 from gcodesim.motion.pieces import Pieces
 from gcodesim.planning.nodes import Nodes
 from gcodesim.planning.spin_choice import SampledPath, SpinChoice
@@ -19,6 +20,7 @@ from gcodesim.units import DEG, MM, MM_PER_MINUTE
 if TYPE_CHECKING:
     from gcodesim.kinematics.protocol import Kinematics, Reason
     from gcodesim.planning.loads import Slowing
+    from gcodesim.planning.route_findings import ToldEnd
 
 # status of the inverse kinematics -> code
 _CODES: Final = {1: "GS202", 2: "GS203", 4: "GS205"}
@@ -53,16 +55,18 @@ def report_poses(
     probe: SampledPath,
     choice: SpinChoice,
     home: Array,
-    part: str,
+    told: ToldEnd,
     findings: Findings,
 ) -> None:
     """One finding for each kind of pose out of reach: where, why, how many blocks, and which shift would help.
 
-    `part` says which part of the path can be run, if that is known.
+    `told` is what a search over all configurations has said already.
     """
     shift: str | None = None
+    part, (begin, end) = told.part, told.pieces
+    blamed = (nodes.piece >= begin) & (nodes.piece < end)
     for value, code in _CODES.items():
-        bad = status == value
+        bad = (status == value) & ~(blamed & (value != Status.REACH))
         if not bad.any():
             continue
         if shift is None:

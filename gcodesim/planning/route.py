@@ -100,11 +100,7 @@ def _evenly(nodes: Nodes, first: int, end: int, most: int) -> NDArray[np.int64]:
 
     Of nodes that lie close together, as beside a blended corner, one is taken: a spline through all would ring.
     """
-    length = np.zeros(end - first)
-    inner = np.arange(first + 1, end)
-    begin = np.where(nodes.piece[inner] == nodes.piece[inner - 1], nodes.s[inner - 1], 0.0)
-    length[1:] = nodes.s[inner] - begin
-    way = np.cumsum(length)
+    way = nodes.way(first, end)
     wanted = np.linspace(0.0, way[-1], min(most, end - first))
     after = np.clip(np.searchsorted(way, wanted), 1, max(len(way) - 1, 1))
     after = np.minimum(after, len(way) - 1)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from gcodesim.diagnostics import Diagnostic, Findings
+from gcodesim.frozen import frozen
 from gcodesim.kinematics.protocol import Status
 from gcodesim.planning.configuration import Hindrance
 from gcodesim.planning.nodes import Nodes
@@ -19,6 +20,18 @@ if TYPE_CHECKING:
     from gcodesim.kinematics.protocol import Kinematics
 
 _TURNED: Final = 1.0 * DEG  # of spin along the path that is worth a word
+
+
+@frozen(kw_only=False)
+class ToldEnd:
+    """What has been said of a path without a way: which `part` of it can be run, and whether a finding says so.
+
+    That finding stands for limits and jumps on the pieces from `pieces[0]` to the one before `pieces[1]` too: with
+    joints from anywhere else the way through them would end in others.
+    """
+
+    part: str = ""
+    pieces: tuple[int, int] = (0, 0)
 
 
 def report_route(
@@ -50,8 +63,10 @@ def report_route(
     )
 
 
-def report_dead_end(kinematics: Kinematics, flange: FlangePoses, nodes: Nodes, end: DeadEnd, findings: Findings) -> str:
-    """The longest part that can be run, in words.
+def report_dead_end(
+    kinematics: Kinematics, flange: FlangePoses, nodes: Nodes, end: DeadEnd, findings: Findings
+) -> ToldEnd:
+    """The longest part that can be run, as a share of the way of its chain.
 
     Where no pose beyond it is to blame, but that no way leads on, this is a finding of its own.
     """
@@ -61,7 +76,8 @@ def report_dead_end(kinematics: Kinematics, flange: FlangePoses, nodes: Nodes, e
         return pieces.path.span(int(pieces.row_last[nodes.piece[node]])).line
 
     a, b = end.chain
-    share = (end.last - end.first) / max(b - 1 - a, 1)
+    way = nodes.way(a, b)
+    share = float((way[end.last - a] - way[end.first - a]) / max(way[-1], 1e-300))
     whole = f"lines {line(a)} to {line(b - 1)}"
     if end.q is None:
         part = f"nothing of {whole} can be run"
@@ -84,9 +100,11 @@ def report_dead_end(kinematics: Kinematics, flange: FlangePoses, nodes: Nodes, e
                 value=share,
                 limit=1.0,
                 unit="",
+                bodies=end.hits or (),
             )
         )
-    return part
+        return ToldEnd(part, (int(nodes.piece[a]), int(nodes.piece[b - 1]) + 1))
+    return ToldEnd(part)
 
 
 def _facts(kinematics: Kinematics, flange: FlangePoses, nodes: Nodes, end: DeadEnd) -> str:

@@ -133,8 +133,10 @@ CODES: tuple[Code, ...] = (
         title="No configuration leads through",
         what="No configuration of the arm (shoulder, elbow, wrist, whole turns of joints, spin of the tool where it is"
         " free) leads through this part of the path without a jump, although each pose alone can be reached. The"
-        " message names the longest part that can be run, and what the arm would have to do to go on: pass a limit,"
-        " jump, as at a singularity, or hit a link, a fixture or the stock as it is at the start.",
+        " message names the longest part that can be run, by its share of the way, and what the arm would have to do to"
+        " go on: pass a limit, jump, as at a singularity, or hit a link, a fixture or the stock as it is at the start."
+        " It stands for limits and jumps on all of that part of the path (GS203, GS205). Where the arm cannot but hit"
+        " something, the collision itself (GS305 to GS307) says this in its hint, and no GS216 stands beside it.",
         why="The robot stops there, or swings through the cell.",
         remedy="Shift the part (`gcodesim place` searches), tilt the tool, let its spin free, or split the program with"
         " a rapid at a safe height.",
