@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from gcodesim import canon
+from gcodesim.canon.systems import name_of_system
 from gcodesim.cell.externals import columns_of
 from gcodesim.frozen import frozen
 from gcodesim.kinematics.attitude import AttitudeLaw, Direction, WordTurns
@@ -39,11 +40,13 @@ def attitude_of(cell: Cell, channel: str, placement: Placement) -> AttitudeLaw |
 class ArmPoint:
     """`rs274.tool_point.ToolPointLaw` of an arm: its tip is where the program says, whatever the tool's attitude.
 
-    So to the control the axes stand above the tip by the length offset. `letters` turn the tool.
+    So to the control the axes stand above the tip by the length offset. `letters` turn the tool; `upright` says whether
+    it stands along Z of the work system while they are zero.
     """
 
     law: AttitudeLaw | None
     letters: tuple[str, ...]
+    upright: bool = True
 
     @staticmethod
     def of(cell: Cell, channel: str, placement: Placement) -> ArmPoint | None:
@@ -51,7 +54,14 @@ class ArmPoint:
         law = attitude_of(cell, channel, placement)
         words = ["ABC"[turn.word] for turn in law.turns] if isinstance(law, WordTurns) else []
         words += columns_of(cell.robots[str(cell.channels[channel].robot)].externals)
-        return None if law is None and not words else ArmPoint(law=law, letters=tuple(sorted(words)))
+        if law is None and not words:
+            return None
+        return ArmPoint(law=law, letters=tuple(sorted(words)), upright=_stands_upright(cell, channel, placement))
+
+    @property
+    def in_system(self) -> bool:
+        """Words turn the tool about axes of the work system, wherever that leans."""
+        return isinstance(self.law, WordTurns)
 
     def axes(self, tip: canon.Axes, offset: canon.Axes) -> canon.Axes:
         x, y, z, a, b, c = (t + o for t, o in zip(tip, offset, strict=True))
@@ -65,7 +75,19 @@ class ArmPoint:
         return None  # what a positioner carries goes along with it anyway
 
     def attitudes(self, direction: canon.Point, axes: canon.Axes) -> list[canon.Axes]:
-        if not isinstance(self.law, Direction):
-            return []
-        a, b, c = Direction.values(np.array(direction)).tolist()
-        return [(*axes[:3], a, b, c)]
+        if isinstance(self.law, Direction):
+            ways = [Direction.values(np.array(direction))]
+        elif isinstance(self.law, WordTurns) and self.upright:
+            ways = self.law.towards(np.array(direction), np.array(axes[3:]))
+        else:
+            ways = []
+        return [(*axes[:3], *map(float, way)) for way in ways]  # type: ignore[misc]
+
+
+def _stands_upright(cell: Cell, channel: str, placement: Placement) -> bool:
+    """Whether the tool points along -Z of every work system while no word leans it."""
+    own = cell.channels[channel].orientation
+    return all(
+        np.abs(placement.tool_axis(own, system) + placement.X_W(name_of_system(system)).R[:, 2]).max() <= _UPRIGHT
+        for system in placement.given or (1,)
+    )

@@ -36,6 +36,10 @@ class MachinePoint:
     def letters(self) -> tuple[str, ...]:
         return self.tool.letters
 
+    @property
+    def in_system(self) -> bool:
+        return False
+
     def axes(self, tip: canon.Axes, offset: canon.Axes) -> canon.Axes:
         return self._axes(self.tool.joints(np.array([tip]) + _turns(offset), np.array([offset[:3]]))[0], tip)
 

@@ -7,10 +7,12 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from gcodesim.arithmetic.elementary import cos_sin
-from gcodesim.arithmetic.matrices import multiplied, norms
-from gcodesim.frames import Array
+from gcodesim.arithmetic.matrices import applied, multiplied, norm, norms
+from gcodesim.frames import Array, rotation_about
 from gcodesim.frozen import frozen
+from gcodesim.kinematics.directions import angle_about, two_turns
 
+_TURN: Final = 2.0 * np.pi
 _BACK: Final = 1e-12  # 1 + z of a direction that points straight back
 
 
@@ -43,6 +45,43 @@ class WordTurns:
             own[:, i, j], own[:, j, i] = -sine, sine
             R = multiplied(R, own)
         return R
+
+    def towards(self, direction: Array, near: Array) -> list[Array]:
+        """Words (3,) [rad] that turn Z into `direction` (3,), each so many whole turns on that it is nearest to `near`.
+
+        Two turns do that, so of three each in turn keeps its word. At most six ways; none where they cannot.
+        """
+        w = np.asarray(direction, dtype=float)
+        w = w / norm(w)
+        every = range(len(self.turns)) if len(self.turns) == len("ABC") else (None,)
+        found = [way for still in every for way in self._while_held(still, w, near)]
+        return [near + away - _TURN * np.rint(away / _TURN) for away in (way - near for way in found)]
+
+    def _while_held(self, still: int | None, w: Array, near: Array) -> list[Array]:
+        """Words (3,) that turn Z into `w` (3,) while the turn number `still` stays as in `near`.
+
+        With E1 E2 E3 z = w and, say, E2 known, E1 (E2 E3 E2^T) E2 z = w: what stands behind it turns about axes that it
+        has turned.
+        """
+        turns, axes, start = list(self.turns), [np.eye(3)[turn.axis] for turn in self.turns], np.array([0.0, 0.0, 1.0])
+        angles = [turn.sign * float(near[turn.word]) for turn in turns]
+        if still is not None:
+            E = rotation_about(axes.pop(still), angles.pop(still))
+            axes[still:] = [applied(E, axis) for axis in axes[still:]]
+            start = applied(E, start)
+            del turns[still]
+        if len(turns) == 1:
+            angle = angle_about(axes[0], start, w, angles[0])
+            ways: list[tuple[float, ...]] = [] if angle is None else [(angle,)]
+        else:
+            ways = [*two_turns(axes[0], axes[1], start, w, (angles[0], angles[1]))]
+        found = []
+        for way in ways:
+            words = np.array(near, dtype=float)
+            for turn, value in zip(turns, way, strict=True):
+                words[turn.word] = turn.sign * value
+            found.append(words)
+        return found
 
 
 @frozen(eq=False)

@@ -6,21 +6,19 @@ an affine function of the three linear axes, so these follow from one linear sys
 
 from __future__ import annotations
 
-import math
 from functools import cached_property
 from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from gcodesim.arithmetic.elementary import acos, atan2, cos, sin
-from gcodesim.arithmetic.matrices import applied, determinant, dot, multiplied, norm, space_solutions
+from gcodesim.arithmetic.matrices import applied, determinant, multiplied, norm, space_solutions
 from gcodesim.canon import AXIS_LETTERS
-from gcodesim.frames import Array, rotation_about
+from gcodesim.frames import Array
 from gcodesim.frozen import frozen
 from gcodesim.kinematics.cartesian import Cartesian
+from gcodesim.kinematics.directions import angle_about, two_turns
 
-_FLAT: Final = 1e-9  # of unit vectors: smaller parts have no direction
 _TURN: Final = 2.0 * np.pi
 _SLACK: Final = 1e-9  # [rad] past the travel that is rounding
 
@@ -158,25 +156,22 @@ class ToolPoint:
     def attitudes(self, direction: Array, seed: Array) -> list[Array]:
         """Joints (j,) that bring the tool into `direction` (3,) in C; at most two, none where it cannot turn so.
 
-        Linear axes stay as in `seed` (j,), and so does an axis that the direction leaves free (the pole). Paden and
-        Kahan 1986, subproblems 1 and 2, for two axes that need not be at right angles (nutating heads and tables).
+        Linear axes stay as in `seed` (j,), and so does an axis that the direction leaves free (the pole).
         """
         w = np.asarray(direction, dtype=float)
         w = w / norm(w)
         if len(self.turns) == 1:
             turn = self.turns[0]
-            angle = _angle_about(turn.axis, self.upright, w, float(seed[turn.joint]))
+            angle = angle_about(turn.axis, self.upright, w, float(seed[turn.joint]))
             return [] if angle is None else [self._with(seed, {turn.joint: angle})]
         if len(self.turns) != 2:
             return []
         first, second = self.turns
-        u, found = self.upright, []
-        for inner in _angles_of_height(first.axis, second.axis, u, dot(w, first.axis), float(seed[second.joint])):
-            v = applied(rotation_about(second.axis, inner), u)
-            outer = _angle_about(first.axis, v, w, float(seed[first.joint]))
-            if outer is not None:
-                found.append(self._with(seed, {second.joint: inner, first.joint: outer}))
-        return found
+        free = (float(seed[first.joint]), float(seed[second.joint]))
+        return [
+            self._with(seed, {second.joint: inner, first.joint: outer})
+            for outer, inner in two_turns(first.axis, second.axis, self.upright, w, free)
+        ]
 
     def within_travel(self, q: Array, near: Array) -> Array | None:
         """`q` (j,) with its rotary axes whole turns on, inside the travel and as near to `near` (j,) as can be."""
@@ -200,30 +195,3 @@ class ToolPoint:
         for joint, angle in angles.items():
             q[joint] = angle
         return q
-
-
-def _angle_about(axis: Array, start: Array, end: Array, free: float) -> float | None:
-    """The angle about `axis` that turns `start` to `end`; `free` where both lie on it, None where it cannot."""
-    if abs(dot(axis, start) - dot(axis, end)) > 1e-7:
-        return None
-    a, b = start - dot(axis, start) * axis, end - dot(axis, end) * axis
-    if min(norm(a), norm(b)) < math.sqrt(_FLAT):
-        return free
-    return atan2(dot(axis, np.cross(a, b)), dot(a, b))
-
-
-def _angles_of_height(first: Array, second: Array, u: Array, height: float, free: float) -> list[float]:
-    """Angles about `second` after which `u` has the component `height` along `first`; two, one at the end of reach."""
-    across = u - dot(u, second) * second
-    a, b = dot(first, across), dot(first, np.cross(second, u))
-    size = math.hypot(a, b)
-    rest = height - dot(u, second) * dot(first, second)
-    if size < _FLAT:
-        return [free] if abs(rest) < 1e-7 else []
-    share = rest / size
-    if abs(share) > 1.0 + 1e-9:
-        return []
-    spread = acos(min(max(share, -1.0), 1.0))
-    middle = atan2(b, a)
-    angles = [middle + spread] if spread < 1e-8 else [middle + spread, middle - spread]
-    return [atan2(sin(angle), cos(angle)) for angle in angles]

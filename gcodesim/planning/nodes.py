@@ -69,7 +69,7 @@ class Nodes:
         return start
 
     def way(self, first: int, end: int) -> Array:
-        """How far (end - first,) [m, rad] each node from `first` to the one before `end` is along the path from there."""
+        """How far (end - first,) [m, rad] nodes from `first` to the one before `end` are along the path from there."""
         length = np.zeros(end - first)
         inner = np.arange(first + 1, end)
         length[1:] = self.s[inner] - np.where(self.piece[inner] == self.piece[inner - 1], self.s[inner - 1], 0.0)

@@ -28,6 +28,11 @@ class ToolPointLaw(Protocol):
         """Its rotary axes whose place is known; of an arm, the words that turn the tool or an external axis."""
         ...
 
+    @property
+    def in_system(self) -> bool:
+        """Whether directions are in axes of the work system, along which its words turn; else in those of the work."""
+        ...
+
     def axes(self, tip: canon.Axes, offset: canon.Axes) -> canon.Axes:
         """Where the axes stand with the tip there; x y z in the frame of the work, a b c as the rotary axes stand."""
         ...
@@ -37,7 +42,7 @@ class ToolPointLaw(Protocol):
         ...
 
     def attitudes(self, direction: canon.Point, axes: canon.Axes) -> list[canon.Axes]:
-        """Axes turned so that the tool points from its tip along `direction`, in the frame of the work.
+        """Axes turned so that the tool points from its tip along `direction`, as `in_system` says.
 
         At most two ways, each within the travel and as near to `axes` as it can be; the linear axes stay.
         """
@@ -49,6 +54,11 @@ class ToolPointLaw(Protocol):
         None where no table is turned by an axis whose place is known.
         """
         ...
+
+
+def direction_for(law: ToolPointLaw, control: Control, own: canon.Point) -> canon.Point:
+    """A direction along axes of the active work system as `law` takes it."""
+    return own if law.in_system else control.leant(own)
 
 
 def tilting_axis(law: ToolPointLaw) -> int:

@@ -111,6 +111,30 @@ def test_the_tool_of_an_arm_leans_along_the_vector() -> None:
     assert np.abs(X_PT[37, :3, 2] - [0.0, 0.0, -1.0]).max() < 1e-9
 
 
+@pytest.mark.parametrize("words", ["Z(A) Y(B) X(C)", "Z(-C) X(-A)", "X(A) Y(B) Z(C)", "Z(A) X(B) Z(C)"])
+@pytest.mark.parametrize("rpy", ["[0, 0, 0]", "[25 deg, -10 deg, 0]"], ids=["upright", "leaning"])
+def test_a_vector_leans_the_tool_by_the_words_of_the_cell(words: str, rpy: str) -> None:
+    """Whatever turns A, B and C are to the cell: those that G43.5 chooses point the tool along I J K of the system."""
+    placed = ARM.replace("xyz: [560, 30, 330]", f"xyz: [560, 30, 330], rpy: {rpy}")
+    X_PT, _ = planned(ring().replace("G94 G54", "G94 G54 G61"), placed + f"orientation: {{words: {words}}}\n")
+    angles = np.radians(np.arange(0, 361, 10))
+    lean = radians(35.0)
+    axes = np.column_stack([np.sin(lean) * np.cos(angles), np.sin(lean) * np.sin(angles), np.full(37, np.cos(lean))])
+
+    assert len(X_PT) == 38
+    assert np.abs(-X_PT[:37, :3, 2] - axes).max() < 2e-6
+    assert np.abs(X_PT[37, :3, 2] - [0.0, 0.0, -1.0]).max() < 1e-6
+
+
+def test_words_that_cannot_lean_the_tool_along_a_vector_are_an_error_at_the_vector() -> None:
+    program = ring()
+    _, job = planned(program, ARM + "orientation: {words: Z(A) X(B), tool_axis: -X of G54}\n")
+    assert next((f.span.line, f.message) for f in job.findings if f.code == "GS106") == (
+        7,
+        "A and B cannot bring the tool along this vector",
+    )
+
+
 WORDS = """gcodesim: 1
 robots:
   arm: {model: kuka_kr10_r1100_2}

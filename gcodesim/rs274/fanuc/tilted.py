@@ -96,10 +96,11 @@ def turn_tool(words: Words, control: FanucControl) -> None:
     if choice not in (0, 1, 2):
         raise Fault("GS106", f"G53.1 P{choice}: P is 0, 1 or 2", at="p", value=choice, limit=2)
     law = control.settings.tool_point
-    direction = control.leant(state.tilt.direction(Point(0.0, 0.0, 1.0)))
+    normal = state.tilt.direction(Point(0.0, 0.0, 1.0))
+    direction = control.leant(normal)
     if law is not None:
         tool_point.switch(control, on=False)
-        _turn(control, law, direction, choice)
+        _turn(control, law, tool_point.direction_for(law, control, normal), choice)
     elif not control.settings.has_cell:
         control.skip("G53.1", place_of(words.block, "g53.1"))
     elif abs(direction[0]) > _SMALL or abs(direction[1]) > _SMALL or direction[2] < 0.0:

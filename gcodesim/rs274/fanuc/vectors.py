@@ -38,7 +38,8 @@ def resolve(words: Words, control: FanucControl) -> None:
                 hint="give its rotary axes a point (`at:`); without it the moves would be others than on the control",
             )
         return
-    direction = control.leant(vector if state.tilt is None else state.tilt.direction(vector))
+    own = vector if state.tilt is None else state.tilt.direction(vector)
+    direction = tool_point.direction_for(law, control, own)
     here = control.si_axes(control.axes())
     ways = law.attitudes(direction, here)
     if not ways:
