@@ -32,7 +32,7 @@ from gcodesim.motion.blend_kernels import (
     overlaps,
 )
 from gcodesim.motion.columns import Column
-from gcodesim.motion.curve_kernels import OWN, ROUND, TIMED
+from gcodesim.motion.curve_kernels import OWN, ROUND, TIMED, longest_times
 from gcodesim.motion.curves import Curves
 from gcodesim.motion.pieces import OVERLAP, PART, AxisLimits, Pieces
 from gcodesim.motion.tool_path import BLEND, HOME, LINE, RAPID, ToolPath
@@ -48,7 +48,7 @@ def blend(
     own_time: Array | None = None,
     even: bool = False,
 ) -> Pieces:
-    """Join the rows of `path` under the speed and acceleration `limits` of the axes.
+    """Join the rows of `path` under the `limits` of the axes.
 
     `independent_rapids`, for all rows or for each (n,): in G0 every axis runs at its own speed from rest to
     rest, so the path is not straight and rapids are joined to nothing. Rows
@@ -146,13 +146,8 @@ def _merged(curves: Curves, path: ToolPath, first: NDArray[np.intp], last: NDArr
 def _make_independent(curves: Curves, rapid: NDArray[np.bool_], limits: AxisLimits) -> None:
     """Turn rapids into curves run by time: the slowest axis decides, every other one waits at its end."""
     rows = np.flatnonzero(rapid)
-    speed, acceleration = limits.arrays
-    distance = np.abs(curves.end[rows] - curves.start[rows])
-    full = distance / speed + speed / acceleration
-    peaked = 2.0 * np.sqrt(distance / acceleration)
-    time = np.where(distance >= speed * speed / acceleration, full, peaked)
     curves.kind[rows] = TIMED
-    curves.length[rows] = time.max(axis=1, initial=0.0)
+    curves.length[rows] = longest_times(np.abs(curves.end[rows] - curves.start[rows]), limits.arrays)
 
 
 def along_limits(curves: Curves, limits: AxisLimits) -> tuple[Array, Array, Array]:

@@ -5,16 +5,20 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+import numpy as np
+
 from gcodesim.arithmetic.sin_kernels import cos_sin
 from gcodesim.compiled import kernel
 from gcodesim.motion.columns import Column
+from gcodesim.motion.ramp_kernels import peak_speed, ramp_time, soft_travel
 
 STRAIGHT = 0
 ROUND = 1
-TIMED = 2  # every axis runs its own trapezoid from rest to rest; the parameter is time [s]
+TIMED = 2  # every axis runs as fast as it can from rest to rest; the parameter is time [s]
 OWN = 3  # a law of its own, such as a move in joint space; the parameter is time [s], points are nominal: on a line
 
-SPEED, ACCELERATION = 0, 1  # rows of a table of axis limits (2, 6)
+SPEED, ACCELERATION, JERK = 0, 1, 2  # rows of a table of axis limits (3, 6)
+NO_JERK = 1e29  # from which on a limit of jerk is none
 
 
 class CurveColumns(NamedTuple):
@@ -33,10 +37,34 @@ class CurveColumns(NamedTuple):
 
 
 @kernel
-def axis_travel(distance: float, speed: float, acceleration: float, t: float) -> tuple[float, float]:
+def axis_time(distance: float, speed: float, acceleration: float, jerk: float) -> float:
+    """How long the shortest move from rest to rest over `distance` >= 0 takes."""
+    if jerk < NO_JERK and distance > 0.0:
+        peak = peak_speed(distance, speed, acceleration, jerk)
+        return distance / peak + ramp_time(peak, acceleration, jerk)
+    if distance >= speed * speed / acceleration:
+        return distance / speed + speed / acceleration
+    return 2.0 * math.sqrt(distance / acceleration)  # never reaches full speed
+
+
+@kernel(short=True)
+def longest_times(distance: Column, axis_limits: Column) -> Column:
+    """How long the slowest axis takes from rest to rest for each row of `distance` (n, 6)."""
+    out = np.zeros(len(distance))
+    for i in range(len(distance)):
+        for k in range(6):
+            speed, acceleration = axis_limits[SPEED, k], axis_limits[ACCELERATION, k]
+            out[i] = max(out[i], axis_time(distance[i, k], speed, acceleration, axis_limits[JERK, k]))
+    return out
+
+
+@kernel
+def axis_travel(distance: float, speed: float, acceleration: float, jerk: float, t: float) -> tuple[float, float]:
     """Distance and speed at time `t` of the shortest move from rest to rest over `distance` >= 0."""
     if distance <= 0.0:
         return 0.0, 0.0
+    if jerk < NO_JERK:
+        return soft_travel(distance, speed, acceleration, jerk, t)
     ramp = speed / acceleration
     if speed * ramp >= distance:  # never reaches full speed
         ramp = math.sqrt(distance / acceleration)
@@ -54,15 +82,14 @@ def axis_travel(distance: float, speed: float, acceleration: float, t: float) ->
 
 
 @kernel
-def curve_point(
-    i: int, s: float, curves: CurveColumns, axis_limits: Column, position: Column, tangent: Column
-) -> None:
+def curve_point(i: int, s: float, curves: CurveColumns, axis_limits: Column, position: Column, tangent: Column) -> None:
     """Write position (6,) and derivative by s (6,) of curve `i` at `s` into the last two arguments."""
     kind, start, end, center, radial, sideways, lift, sweep, growth, length = curves
     if kind[i] == TIMED:
         for k in range(6):
             step = end[i, k] - start[i, k]
-            done, speed = axis_travel(abs(step), axis_limits[SPEED, k], axis_limits[ACCELERATION, k], s)
+            limit = axis_limits[:, k]
+            done, speed = axis_travel(abs(step), limit[SPEED], limit[ACCELERATION], limit[JERK], s)
             sign = 1.0 if step >= 0.0 else -1.0
             position[k] = start[i, k] + sign * done
             tangent[k] = sign * speed

@@ -15,7 +15,7 @@ OVERLAP = 1
 
 
 class PieceColumns(NamedTuple):
-    """Those columns of `pieces.Pieces` that say where it leads, and the limits (2, 6) of the axes."""
+    """Those columns of `pieces.Pieces` that say where it leads, and the limits (3, 6) of the axes."""
 
     kind: Column
     curve: Column

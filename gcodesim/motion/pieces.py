@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import field
 from typing import Final
 
 import numpy as np
@@ -20,15 +21,21 @@ OVERLAP: Final = 1  # the end of one curve added to the start of the next
 
 @frozen(eq=False)
 class AxisLimits:
-    """Greatest speed (6,) [m/s, rad/s] and acceleration (6,) [m/s², rad/s²] of x y z a b c; inf: none."""
+    """Greatest speed (6,) [m/s, rad/s], acceleration (6,) [m/s², rad/s²] and jerk (6,) [m/s³, rad/s³] of x y z a b c.
+
+    inf: none. Blending looks at the first two; jerk counts for axes that run by themselves.
+    """
 
     speed: Array
     acceleration: Array
+    jerk: Array = field(default_factory=lambda: np.full(6, np.inf))
 
     @property
     def arrays(self) -> Array:
-        """(2, 6): speeds, accelerations; "none" is a number that is finite and never reached."""
-        table: Array = np.minimum(np.array([self.speed, self.acceleration], dtype=float), 1e6)
+        """(3, 6): speeds, accelerations, jerks; "none" is a number that is finite and never reached."""
+        table: Array = np.array([self.speed, self.acceleration, self.jerk], dtype=float)
+        table[:2] = np.minimum(table[:2], 1e6)
+        table[2] = np.minimum(table[2], 1e30)
         return table
 
 

@@ -26,7 +26,10 @@ PIECE, PLACE, SPEED, CHANGE, JERK, DURATION = 0, 1, 2, 3, 4, 5  # columns of pha
 
 
 class SoftCaps(NamedTuple):
-    """Columns (k,) of the caps of segments: `junction` is that of the speed at its end, `fixed` takes its own time."""
+    """Columns (k,) of the caps of segments: `junction` is that of the speed at its end, `fixed` takes its own time.
+
+    `calm` and `push` are jerk and acceleration allowed while its end is passed.
+    """
 
     piece: Column
     begin: Column
@@ -35,6 +38,8 @@ class SoftCaps(NamedTuple):
     acceleration: Column
     jerk: Column
     junction: Column
+    calm: Column
+    push: Column
     fixed: Column
 
 
@@ -155,10 +160,11 @@ def lowered_tops(law: SpanLaw, window: float, zones: Column) -> int:
 
 
 @kernel
-def span_law(caps: SoftCaps, first: int, end: int, window: float, share: float) -> tuple[SpanLaw, bool]:
+def span_law(caps: SoftCaps, first: int, end: int, window: float, share: float, cycle: float) -> tuple[SpanLaw, bool]:
     """The trapezoid law of a span, whose average over `window` keeps all caps; whether its tops are long enough.
 
-    Accelerations are at most what jerk builds up within `share` of the window.
+    Accelerations are at most what jerk builds up within `share` of the window. The average passes a border calmly if
+    the law does so for the window, and the control cycles beside it in which the border is felt.
     """
     n = end - first
     begin, stop = np.empty(2 * n), np.empty(2 * n)
@@ -170,9 +176,9 @@ def span_law(caps: SoftCaps, first: int, end: int, window: float, share: float) 
         change[k] = min(caps.acceleration[first + k], caps.jerk[first + k] * window * share)
         at += caps.length[first + k]
         stop[k] = at + v * window
-        point = min(j, v) * window
+        point = min(j, v) * (window + 2.0 * cycle)
         begin[n + k], stop[n + k] = at - point, at + point
-        speed[n + k], change[n + k] = min(j, v), NO_CAP
+        speed[n + k], change[n + k] = min(j, v), min(caps.push[first + k], caps.calm[first + k] * window * share)
     for z in range(2 * n):
         begin[z], stop[z] = min(max(begin[z], 0.0), at), min(max(stop[z], 0.0), at)
     speed[2 * n - 1] = NO_CAP  # the end is at rest anyway
@@ -269,7 +275,7 @@ def averaged(law: SpanLaw, window: float, caps: SoftCaps, first: int, end: int, 
 
 
 @kernel
-def soft_law(caps: SoftCaps) -> Column:
+def soft_law(caps: SoftCaps, cycle: float) -> Column:
     """Phases (p, 6) of constant jerk under all caps, from rest to rest wherever a junction or a fixed segment asks."""
     n = len(caps.length)
     out = np.empty((16 * n + 64, 6))
@@ -287,10 +293,10 @@ def soft_law(caps: SoftCaps) -> Column:
         while end < n and not caps.fixed[end] and caps.junction[end - 1] > 0.0:
             end += 1
         window = widest_window(caps, first, end)
-        law, good = span_law(caps, first, end, window, 1.0)
+        law, good = span_law(caps, first, end, window, 1.0, cycle)
         if not good:  # with twice the window even a change from full push to full brake keeps the jerk
             window *= 2.0
-            law, good = span_law(caps, first, end, window, 0.5)
+            law, good = span_law(caps, first, end, window, 0.5, cycle)
         more = averaged(law, window, caps, first, end, out, count)
         while more < 0:
             out = np.concatenate((out, np.empty_like(out)))

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from gcodesim.frames import Array
 from gcodesim.frozen import frozen
+from gcodesim.motion.blend_kernels import CYCLE
 from gcodesim.motion.pieces import Pieces
 from gcodesim.motion.standing import Standstill
 from gcodesim.motion.timing_kernels import PhaseColumns, end_speeds, times_at, trapezoids
@@ -20,11 +21,29 @@ NO_CAP: Final = 1e30
 
 
 @frozen(kw_only=False, eq=False)
+class Softness:
+    """What k segments allow a law of time with bounded `jerk` (k,), all along each of them.
+
+    `calm` and `push` (k,) are the jerk and the acceleration allowed while the end of a segment is passed.
+    """
+
+    jerk: Array
+    calm: Array
+    push: Array
+
+    def with_fixed(self, count: int, order: NDArray[np.intp]) -> Softness:
+        """Those of more segments, put in `order`: `count` of them take a time of their own."""
+        any_ = np.full(count, NO_CAP)
+        columns = ((self.jerk, any_), (self.calm, any_), (self.push, any_))
+        return Softness(*(np.concatenate(pair)[order] for pair in columns))
+
+
+@frozen(kw_only=False, eq=False)
 class Caps:
     """Caps on k segments of pieces, in the order of motion.
 
     A segment runs `piece` from `begin` over `length`; `speed` and
-    `acceleration` hold all along it, `junction` at its end, and so does `jerk` if there is one. A piece may be cut
+    `acceleration` hold all along it, `junction` at its end; with `soft` jerk is bounded too. A piece may be cut
     into many segments, as where joints of an arm have limits that change along it.
     """
 
@@ -34,15 +53,13 @@ class Caps:
     speed: Array
     acceleration: Array
     junction: Array
-    jerk: Array | None = None
+    soft: Softness | None = None
 
     @staticmethod
     def of(pieces: Pieces) -> Caps:
         """One segment for each piece, with the caps that blending found."""
         n = len(pieces)
-        return Caps(
-            np.arange(n), np.zeros(n), pieces.length, pieces.speed, pieces.acceleration, pieces.junction
-        )
+        return Caps(np.arange(n), np.zeros(n), pieces.length, pieces.speed, pieces.acceleration, pieces.junction)
 
 
 def time_law(
@@ -60,7 +77,7 @@ def time_law(
     last = np.append(caps.piece[1:] != caps.piece[:-1], True)[:count]
     ratio = np.where(last, pieces.ratio[caps.piece], 1.0)
     fixed = pieces.fixed[caps.piece]
-    moving = _softly(caps, fixed) if caps.jerk is not None else _quickly(caps, ratio, fixed)
+    moving = _softly(caps, fixed) if caps.soft is not None else _quickly(caps, ratio, fixed)
     rests = [(e.row, duration_of(e)) for e in pieces.path.events]
     phases, rest_start = _with_rests(moving, pieces, rests)
     row_start, row_end = _row_times(phases, pieces)
@@ -94,7 +111,7 @@ def _softly(caps: Caps, fixed: NDArray[np.bool_]) -> Phases:
     """Speeds that change with bounded jerk. The pieces go over into each other at the same ds/dt."""
     from gcodesim.motion.soft_kernels import CHANGE, DURATION, JERK, PIECE, PLACE, SPEED, SoftCaps, soft_law
 
-    assert caps.jerk is not None
+    assert caps.soft is not None
 
     def column(values: Array) -> Array:
         return np.ascontiguousarray(np.minimum(values, NO_CAP))
@@ -106,10 +123,13 @@ def _softly(caps: Caps, fixed: NDArray[np.bool_]) -> Phases:
             length=column(caps.length),
             speed=column(caps.speed),
             acceleration=column(caps.acceleration),
-            jerk=column(caps.jerk),
+            jerk=column(caps.soft.jerk),
+            calm=column(caps.soft.calm),
+            push=column(caps.soft.push),
             junction=column(caps.junction),
             fixed=np.ascontiguousarray(fixed),
-        )
+        ),
+        CYCLE,
     )
     return Phases(
         time=np.zeros(len(table)),

@@ -13,7 +13,7 @@ from gcodesim.frames import Array
 from gcodesim.frozen import frozen
 from gcodesim.motion.blend_kernels import NORMAL_SHARE
 from gcodesim.motion.pieces import OVERLAP, Pieces
-from gcodesim.motion.timing import Caps
+from gcodesim.motion.timing import Caps, Softness
 from gcodesim.planning.arm_kernels import JointCaps, SegmentRates, joint_caps, joint_rates
 from gcodesim.planning.flange import Flange
 from gcodesim.planning.guide import Outside
@@ -53,7 +53,7 @@ class ArmCaps:
     found: JointCaps
     junction: Array
     kinks: Kinks
-    jerk: Array | None = None
+    soft: Softness | None = None
 
     @staticmethod
     def of(kinematics: Kinematics, flange: Flange, nodes: Nodes, q: Array, bridged: NDArray[np.bool_]) -> ArmCaps:
@@ -89,7 +89,8 @@ class ArmCaps:
         follows = np.append(np.diff(nodes.segments) == 1, False)[: len(self.piece)]
         goes_on = np.append((self.piece[1:] == self.piece[:-1]) & self.exact[1:] & self.exact[:-1], False)
         goes_on = goes_on[: len(self.piece)]
-        return replace(self, **softer(self.rates, self.length, follows, goes_on, limit, self.found, self.junction))
+        lower = softer(self.rates, self.length, follows, goes_on, limit, self.found, self.junction)
+        return replace(self, found=lower.found, junction=lower.junction, soft=lower.soft)
 
     @property
     def parts(self) -> Array:
@@ -142,7 +143,7 @@ class ArmCaps:
         fixed = np.flatnonzero(pieces.fixed)
         zeros = np.zeros(len(fixed))
         order = np.argsort(np.concatenate([piece, fixed]), kind="stable")
-        jerk = None if self.jerk is None else np.concatenate([self.jerk, zeros + 1.0])[order]
+        soft = None if self.soft is None else self.soft.with_fixed(len(fixed), order)
         columns = (
             (piece, fixed),
             (self.begin, zeros),
@@ -151,7 +152,8 @@ class ArmCaps:
             (self.found.acceleration * self.kinks.left, zeros),
             (np.minimum(self.junction, self.kinks.cap), zeros),
         )
-        return replace(Caps(*(np.concatenate(pair)[order] for pair in columns)), jerk=jerk)
+        segment, start, way, speed, acceleration, end = (np.concatenate(pair)[order] for pair in columns)
+        return Caps(segment, start, way, speed, acceleration, end, soft)
 
 
 def _rates(kinematics: Kinematics, flange: Flange, nodes: Nodes, q: Array, bridged: NDArray[np.bool_]) -> SegmentRates:

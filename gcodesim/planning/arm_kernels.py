@@ -7,7 +7,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gcodesim.arithmetic.root_kernels import cube_root
 from gcodesim.compiled import kernel
 from gcodesim.motion.columns import Column
 
@@ -97,80 +96,6 @@ def joint_rates(jacobian: Column, first: Column, last: Column) -> tuple[Column, 
                     out0[i, k] += J[r, k] * b[r, 0]
                     out1[i, k] += J[r, k] * b[r, 1]
     return out0, out1
-
-
-@kernel
-def jerk_caps(
-    rates: SegmentRates,
-    length: Column,
-    follows: Column,
-    goes_on: Column,
-    jerk_limit: Column,
-    cycle: float,
-    caps: JointCaps,
-    junction: Column,
-    jerk: Column,
-) -> None:
-    """Caps of `jerk` (k,) of each segment under limits of joints (j,); `caps` and `junction` (k,) are lowered for it.
-
-    With q(s) and the speed v, acceleration a and jerk j of s, the jerk of a joint is the sum of the first derivative
-    times j, the second times 3 v a, and the third times v³: the last two may take a quarter of the limit each. Between
-    a segment and the next, where it `follows`, q'' differs: where the path `goes_on` smoothly, that is a matter of
-    where it was looked at, and counts for the third derivative; else acceleration steps there, by no more than jerk
-    builds up in a `cycle` [s], and a step of q' makes no more of acceleration. Steps that are passed within a cycle
-    count together.
-    """
-    start_rate, end_rate, mean_rate = rates
-    n, count = len(length), start_rate.shape[1]
-    third = np.zeros((n, count))
-    bend = np.zeros((n, count))
-    for j in range(count):
-        before = 0.0
-        border, stepped, way = -1, 0.0, 0.0  # the last one where acceleration steps, by how much, and the way since
-        for k in range(n):
-            r0, r1, mean = start_rate[k, j], end_rate[k, j], mean_rate[k, j]
-            turn, bow = (r1 - r0) / length[k], (6.0 * mean - 3.0 * (r0 + r1)) / length[k]
-            third[k, j] = max(third[k, j], 2.0 * abs(bow) / length[k])
-            bend[k, j] = abs(turn) + abs(bow)
-            if k > 0 and follows[k - 1]:
-                step = abs(turn + bow - before)
-                if goes_on[k - 1]:
-                    spread = 2.0 * step / (length[k - 1] + length[k])
-                    third[k - 1, j] = max(third[k - 1, j], spread)
-                    third[k, j] = max(third[k, j], spread)
-                else:
-                    if step > 1e-9:
-                        top = min(junction[k - 1], math.sqrt(jerk_limit[j] * cycle / step))
-                        if border >= 0 and way < min(top, junction[border]) * cycle:
-                            step += stepped
-                            top = min(top, math.sqrt(jerk_limit[j] * cycle / step))
-                            junction[border] = min(junction[border], top)
-                        junction[k - 1] = top
-                        border, stepped, way = k - 1, step, 0.0
-                    kink = abs(r0 - end_rate[k - 1, j])
-                    if kink > 1e-9:
-                        junction[k - 1] = min(junction[k - 1], jerk_limit[j] * cycle * cycle / kink)
-            else:
-                border = -1
-            way += length[k]
-            before = turn - bow
-    for k in range(n):
-        v = caps.speed[k]
-        for j in range(count):
-            if third[k, j] > 1e-9:
-                v = min(v, cube_root(0.25 * jerk_limit[j] / third[k, j]))
-        a = caps.acceleration[k]
-        for j in range(count):
-            if bend[k, j] * v > 1e-12:
-                a = min(a, 0.25 * jerk_limit[j] / (3.0 * bend[k, j] * v))
-        most = 1e12
-        for j in range(count):
-            rate = greatest_rate(start_rate[k, j], end_rate[k, j], mean_rate[k, j])
-            if rate > 1e-12:
-                left = jerk_limit[j] - 3.0 * bend[k, j] * v * a - third[k, j] * v * v * v
-                most = min(most, left / rate)
-        caps.speed[k], caps.acceleration[k], jerk[k] = v, a, most
-        junction[k] = min(junction[k], v)
 
 
 @kernel

@@ -7,7 +7,6 @@ and cut into segments so short that joints bend evenly in each, which then has c
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -108,7 +107,7 @@ class AxisAttitude:
         if held.any():
             ends = [_joints_of_tips(tool, points, offsets(path)) for points in (path.start, path.end)]
             report_jumps(path, tool, held, np.stack(ends), findings)
-        independent = ~held if self.independent_rapids and not soft else False
+        independent = ~held if self.independent_rapids else False
         pieces = blend(path, limits, independent_rapids=independent, even=soft)
         segments = Segments.of(pieces, held | soft)
         q0, q1 = (_joints_at(tool, pieces, held, segments.piece, segments.at(pieces, s)[0]) for s in segments.ends)
@@ -230,12 +229,11 @@ def _caps(
     others = np.setdiff1d(np.arange(len(pieces)), piece)
     junction = np.minimum(junction, kinks.cap)
     order = np.argsort(np.concatenate([piece, others]), kind="stable")
-    jerk = None
+    eased = None
     if soft:
         after = np.append(np.diff(piece), 2)[: len(piece)]  # pieces to the next segment
         lower = softer(rates, length, after <= 1, after == 0, joints.jerk, found, junction)
-        found, junction = lower["found"], lower["junction"]
-        jerk = np.concatenate([lower["jerk"], np.ones(len(others))])[order]
+        found, junction, eased = lower.found, lower.junction, lower.soft.with_fixed(len(others), order)
     columns = (
         (piece, others),
         (segments.begin, np.zeros(len(others))),
@@ -244,7 +242,8 @@ def _caps(
         (found.acceleration * kinks.left, pieces.acceleration[others]),
         (junction, pieces.junction[others]),
     )
-    return replace(Caps(*(np.concatenate(pair)[order] for pair in columns)), jerk=jerk)
+    segment, start, way, speed, acceleration, end = (np.concatenate(pair)[order] for pair in columns)
+    return Caps(segment, start, way, speed, acceleration, end, eased)
 
 
 def _slopes(tool: ToolPoint, pieces: Pieces, segments: Segments, held: NDArray[np.bool_], s: Array) -> Array:

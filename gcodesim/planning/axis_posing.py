@@ -44,11 +44,11 @@ def axes_at(names: Sequence[str], q: Array) -> Axes:
 
 
 def limits_of_axes(joints: Joints) -> AxisLimits:
-    """Speed and acceleration by axis; axes that the machine does not have are unlimited."""
+    """Speed, acceleration and jerk by axis; axes that the machine does not have are unlimited."""
     axes = axes_of_joints(joints.names)
-    speed, acceleration = np.full(6, np.inf), np.full(6, np.inf)
-    speed[axes], acceleration[axes] = joints.speed, joints.acceleration
-    return AxisLimits(speed=speed, acceleration=acceleration)
+    speed, acceleration, jerk = np.full((3, 6), np.inf)
+    speed[axes], acceleration[axes], jerk[axes] = joints.speed, joints.acceleration, joints.jerk
+    return AxisLimits(speed=speed, acceleration=acceleration, jerk=jerk)
 
 
 @frozen(slots=False, kw_only=False, eq=False)

@@ -2,20 +2,31 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.frames import Array
+from gcodesim.frozen import frozen
 from gcodesim.motion.blend_kernels import CYCLE
-from gcodesim.planning.arm_kernels import jerk_caps
+from gcodesim.motion.timing import Softness
+from gcodesim.planning.jerk_kernels import SoftColumns, bends_of, border_caps, jerk_caps
 
 if TYPE_CHECKING:
     from gcodesim.planning.arm_kernels import JointCaps, SegmentRates
 
 _SHARE: Final = 0.9  # of each limit; the rest is for what changes within a segment besides
 _ANY: Final = 1e9  # [rad/s³, m/s³] of a joint without a limit
+
+
+@frozen(kw_only=False, eq=False)
+class Softened:
+    """The caps `found` and `junction` (k,), lowered for limits of jerk, and what the law of time may do under them."""
+
+    found: JointCaps
+    junction: Array
+    soft: Softness
 
 
 def softer(
@@ -26,12 +37,16 @@ def softer(
     limit: Array,
     found: JointCaps,
     junction: Array,
-) -> dict[str, Any]:
-    """`found` and `junction` (k,) lowered, and the `jerk` (k,) that is left, under the `limit` (j,) of joints.
+) -> Softened:
+    """The caps `found` and `junction` (k,) under the `limit` (j,) of the jerk of joints.
 
     `follows` and `goes_on` (k,): whether the next segment does so at all, and smoothly.
     """
     lower = found._replace(speed=found.speed.copy(), acceleration=found.acceleration.copy())
-    junction, jerk = junction.copy(), np.empty(len(length))
-    jerk_caps(rates, length, follows, goes_on, _SHARE * np.minimum(limit, _ANY), CYCLE, lower, junction, jerk)
-    return {"found": lower, "junction": junction, "jerk": jerk}
+    junction, n = junction.copy(), len(length)
+    soft = SoftColumns(np.empty(n), np.empty(n), np.empty(n))
+    most = _SHARE * np.minimum(limit, _ANY)
+    bends = bends_of(rates, length, follows, goes_on)
+    jerk_caps(rates, bends, most, lower, soft.jerk)
+    border_caps(rates, bends, length, follows, most, CYCLE, lower.speed, junction, soft)
+    return Softened(lower, junction, Softness(soft.jerk, soft.calm, soft.push))

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from gcodesim.arithmetic.root_kernels import cube_root
 from gcodesim.frames import Array
 from gcodesim.frozen import frozen
+from gcodesim.motion.ramp_kernels import peak_speed, ramp_at, ramp_time
 
 if TYPE_CHECKING:
     from gcodesim.kinematics.chain import Joints
@@ -60,16 +60,11 @@ class JointMove:
         v, a, j = self.speed, self.acceleration, self.jerk
         if np.isinf(j):
             return a * min(v / a, float(1.0 / np.sqrt(a)))
-        if v * self._ramp(v) <= 1.0:
-            return v
-        swell = a * a / j  # the least peak of ramps with a phase of even acceleration
-        even = 0.5 * (sqrt(swell * swell + 4.0 * a) - swell)
-        return even if even >= swell else cube_root(0.25 * j)
+        return peak_speed(1.0, v, a, j)
 
     def _ramp(self, peak: float) -> float:
         """Time [s] from rest to `peak` [1/s]."""
-        a, j = self.acceleration, self.jerk
-        return peak / a + a / j if peak >= a * a / j else 2.0 * float(np.sqrt(peak / j))
+        return ramp_time(peak, self.acceleration, self.jerk)
 
     @property
     def duration(self) -> float:
@@ -115,25 +110,10 @@ class JointMove:
     def _on_ramp(self, t: Array) -> tuple[Array, Array, Array]:
         """Way, speed and acceleration at `t` (n,) [s] of the ramp from rest to the peak."""
         top, j = self.peak, self.jerk
-        ramp = self._ramp(top)
         if np.isinf(j):
             a = self.acceleration
             return 0.5 * a * t * t, a * t, np.full(len(t), a)
-        a = min(self.acceleration, float(np.sqrt(top * j)))
-        rise = a / j
-        left = ramp - t
-        first, last = t < rise, left < rise
-        middle = t - rise
-        s = np.where(
-            first,
-            j * t * t * t / 6.0,
-            np.where(last, 0.5 * top * ramp - top * left + j * left * left * left / 6.0, j * rise * rise * rise / 6.0)
-            + np.where(last, 0.0, 0.5 * j * rise * rise * middle + 0.5 * a * middle * middle),
-        )
-        v = np.where(
-            first, 0.5 * j * t * t, np.where(last, top - 0.5 * j * left * left, 0.5 * j * rise * rise + a * middle)
-        )
-        return s, v, np.where(first, j * t, np.where(last, j * left, a))
+        return ramp_at(t, top, self.acceleration, j)
 
     def within(self, loads: Loads, tool: int, piece: int = 0) -> tuple[JointMove, Slowing | None]:
         """The move slowed evenly so that motors can give its efforts with `tool`; and where, on `piece`, if it was."""

@@ -87,7 +87,8 @@ def check_jerk(kind: str, seeds: range) -> None:
         trajectory = plan.trajectory
         q = plan.joints(trajectory.sample(np.arange(-3 * CYCLE, trajectory.duration + 4 * CYCLE, CYCLE)))
         jerk = float((np.abs(np.diff(q, n=3, axis=0)) / CYCLE**3 / plan.kinematics.joints.jerk).max())
-        assert jerk <= 1.0 + 10.0 * ROUNDING, seed  # one more difference of what is solved to 1e-9 m
+        # one more difference of what is solved to 1e-9 m
+        assert jerk <= 1.0 + (10.0 * ROUNDING if kind.startswith("arm") else 1e-6), seed
         used = max(used, jerk)
     assert used > 0.5
 

@@ -16,7 +16,7 @@ import pytest
 
 import gcodesim
 from gcodesim import compiled
-from gcodesim.canon import ArcFeed, Event, LinearFeed, PathMode
+from gcodesim.canon import ArcFeed, Event, LinearFeed, PathMode, Rapid
 from gcodesim.compiled import Kernel, kernel
 from gcodesim.diagnostics import SourceText, Span
 from gcodesim.motion import build_tool_path
@@ -87,7 +87,8 @@ def random_events(random: np.random.Generator, count: int) -> Iterator[Event]:
         else:
             size = random.choice([1e-5, 1e-3, 0.1])
             at = at + size * np.round(random.uniform(-1.0, 1.0, 6), 2) * np.array([1, 1, 1, choice == 11, 0, 0])
-            yield LinearFeed(span=HERE, end=tuple(at), feed=random.choice([0.02, 0.3]))
+            feed = random.choice([0.02, 0.3])
+            yield Rapid(span=HERE, end=tuple(at)) if choice == 10 else LinearFeed(span=HERE, end=tuple(at), feed=feed)
 
 
 def test_short_calls_have_the_bits_of_the_compiled_kernel(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -105,9 +106,9 @@ def test_short_calls_have_the_bits_of_the_compiled_kernel(monkeypatch: pytest.Mo
 
     monkeypatch.setattr(Kernel, "__call__", both)
     random = np.random.default_rng(11)
-    for _ in range(20):
+    for own_ways in (False, True) * 10:
         path = build_tool_path(list(random_events(random, 60)), (0.0,) * 6)
-        assert time_law(blend(path, LIMITS)).duration > 0.0
+        assert time_law(blend(path, LIMITS, independent_rapids=own_ways)).duration > 0.0
     source = SourceText.read(Path(__file__).parents[2] / "data" / "programs" / "posts" / "marlin_slicer.nc")
     printed = build_tool_path(list(interpret(source, Settings(dialect="marlin"))), (0.0,) * 6)
     assert time_law(as_printed(blend(without_blending(printed), LIMITS))).duration > 0.0

@@ -10,14 +10,18 @@ import pytest
 
 from gcodesim.motion.soft_kernels import CHANGE, DURATION, JERK, PIECE, PLACE, SPEED, SoftCaps, soft_law
 
+CYCLE = 1e-3
 
-def law(length: Any, speed: Any, acceleration: Any, jerk: Any, junction: Any = None) -> np.ndarray:
+
+def law(length: Any, speed: Any, acceleration: Any, jerk: Any, *ends: Any) -> np.ndarray:
+    """Phases; `ends`: what is allowed where segments end, of speed, jerk and acceleration."""
     n = len(length)
-    ends = np.full(n, 1e30) if junction is None else np.array(junction, dtype=float)
-    ends[-1] = 0.0
+    none = np.full(n, 1e30)
+    junction, calm, push = (np.array(column, dtype=float) for column in (*ends, none, none, none)[:3])
+    junction[-1] = 0.0
     columns = [np.array(column, dtype=float) for column in (length, speed, acceleration, jerk)]
-    caps = SoftCaps(np.arange(n), np.zeros(n), *columns, ends, np.zeros(n, dtype=bool))
-    phases: np.ndarray = soft_law(caps)
+    caps = SoftCaps(np.arange(n), np.zeros(n), *columns, junction, calm, push, np.zeros(n, dtype=bool))
+    phases: np.ndarray = soft_law(caps, CYCLE)
     return phases
 
 
@@ -42,7 +46,9 @@ def test_every_cap_holds_everywhere() -> None:
         acceleration = 10 ** rng.uniform(-0.5, 0.7, n)
         jerk = acceleration * 10 ** rng.uniform(0.5, 2, n)
         junction = np.where(rng.random(n) < 0.2, 10 ** rng.uniform(-3, -1, n), 1e30)
-        phases = law(length, speed, acceleration, jerk, junction)
+        calm = np.where(rng.random(n) < 0.3, jerk * rng.uniform(0.1, 0.9, n), 1e30)
+        push = np.where(rng.random(n) < 0.3, acceleration * rng.uniform(0.01, 0.9, n), 1e30)
+        phases = law(length, speed, acceleration, jerk, junction, calm, push)
         piece, t = phases[:, PIECE].astype(int), phases[:, DURATION]
         v0, a0, j = phases[:, SPEED], phases[:, CHANGE], phases[:, JERK]
         v1, a1 = v0 + t * (a0 + 0.5 * j * t), a0 + j * t
@@ -58,3 +64,8 @@ def test_every_cap_holds_everywhere() -> None:
         assert np.allclose(phases[1:, PLACE], follows, atol=1e-9)
         last = np.flatnonzero(piece[1:] != piece[:-1])
         assert (v1[last] <= junction[piece[last]] * (1 + 1e-6) + 1e-9).all(), number
+        ends = np.cumsum(t)[last]
+        for k, end in zip(piece[last], ends, strict=True):  # nor in the cycles before and behind
+            near = (np.cumsum(t) > end - CYCLE) & (np.cumsum(t) - t < end + CYCLE)
+            assert (np.abs(j[near]) <= calm[k] * (1 + 1e-5)).all(), number
+            assert (np.maximum(np.abs(a0), np.abs(a1))[near] <= push[k] * (1 + 1e-6) + 1e-9).all(), number

@@ -20,10 +20,13 @@ machine:
     Y: {travel: [-300, 300 mm], speed: 20 m/min, acceleration: 1000 m/s^2}
     Z: {travel: [-300, 300 mm], speed: 5 m/min, acceleration: 1000 m/s^2}
 """
-TRUNNION = MILL.replace("RAPIDS", "linear") + """
+TRUNNION = (
+    MILL.replace("RAPIDS", "linear")
+    + """
     A: {travel: [-120, 120 deg], speed: 90 deg/s, at: [0, 0, -120 mm]}
     C: {travel: unlimited, speed: 180 deg/s, at: [0, 0, -120 mm]}
 """
+)
 
 
 def job_of(program: str, cell: str) -> Job:
@@ -50,6 +53,18 @@ def test_a_bent_rapid_is_the_way_that_is_run() -> None:
     trajectory = job.plan.trajectory
     middle = job.plan.joints(trajectory.sample(np.array([0.5 * trajectory.duration])))[0]
     np.testing.assert_allclose(middle[:2], [0.05, 0.1], atol=1e-4)
+
+
+def test_under_jerk_each_axis_runs_its_own_curve() -> None:
+    """D/v + v/a + a/j for each axis (Biagiotti, Melchiorri 2008, section 3.4); the slowest one makes the time."""
+    cell = MILL.replace("RAPIDS", "independent").replace("1000 m/s^2}", "2 m/s^2, jerk: 200 m/s^3}")
+    job = job_of("G0 X100 Y100\n", cell)
+    assert job.plan is not None
+    plan, times = job.plan, [0.1 / v + v / 2.0 + 2.0 / 200.0 for v in (10 / 60, 20 / 60)]
+    assert plan.trajectory.duration == pytest.approx(times[0], rel=1e-9)
+    q = plan.joints(plan.trajectory.sample(np.array([0.5 * times[1], times[1], 0.5 * times[0]])))
+    assert q[0, 1] == pytest.approx(0.05, rel=1e-9) and q[1, 1] == pytest.approx(0.1, rel=1e-9)
+    assert q[2, 0] == pytest.approx(0.05, rel=1e-9)
 
 
 def test_a_turn_on_the_spot_is_told() -> None:
