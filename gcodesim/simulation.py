@@ -33,7 +33,7 @@ from gcodesim.jobs.cast import cast_of, is_of_cell
 from gcodesim.jobs.coating import film_findings, film_names
 from gcodesim.jobs.collisions import collisions
 from gcodesim.jobs.job import KINEMATIC, Job, Options
-from gcodesim.jobs.loose_pieces import drop_loose_pieces
+from gcodesim.jobs.loose_pieces import fallen_pieces
 from gcodesim.jobs.meetings import meet, share_shop
 from gcodesim.jobs.outcome import first_error, results_of
 from gcodesim.jobs.rehearsal import asks_of_parts, rehearse
@@ -338,7 +338,9 @@ def _run(
             each.findings.extend(beyond_findings(each, own))
         if only == "motion":
             job.legs.tell_of_untouched_stock()
-        drop_loose_pieces(job, execution)
+        for each, own in zip(job.all, (execution, *execution.others), strict=True):
+            for name, piece in fallen_pieces(each, own):
+                job.fallen.setdefault(name, []).append(piece)
         if job.cell.target is not None and only in (None, "shape"):
             from gcodesim.jobs.verification import verify
 

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.arithmetic.matrices import norms
+from gcodesim.executor.freeing import Freed
 from gcodesim.executor.stint import Stint, deflection_of
 from gcodesim.executor.window import StepWindow
 from gcodesim.frames import Array
@@ -29,7 +30,8 @@ class StepRecord:
     wrench, deflection (n, 6) in base axes at the tip; `kind` (n,) points into the kinds of the sheet; `columns` (n,)
     by name are those of the sheet, zero where no process gives a value; `feeds` (n,) are steps along feed moves.
     `grips` are what happened to parts, each with its step of the record; `parts` (n, parts, 4, 4) is X_WP of all
-    parts, then of all devices, and `things` their frames; both in the record of the first channel.
+    parts, then of all devices, and `things` their frames; both in the record of the first channel. `freed` is what was
+    cut loose, each with its step of the record.
     """
 
     window: StepWindow
@@ -43,6 +45,7 @@ class StepRecord:
     grips: tuple[tuple[int, GripEvent], ...] = ()
     parts: Array | None = None
     things: tuple[str, ...] = ()
+    freed: tuple[tuple[int, Freed], ...] = ()
 
     def __len__(self) -> int:
         return len(self.window)
@@ -118,6 +121,7 @@ def record_of(
         columns=columns,
         feeds=np.ones(n, dtype=bool) if feeds is None else feeds,
         grips=grips,
+        freed=tuple((stint.begin + piece.step, piece) for stint in stints for piece in stint.freed),
     )
 
 

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from gcodesim.arithmetic.matrices import applied, inverse_pose, multiplied
 from gcodesim.arithmetic.turn_kernels import into_axes, wrench_from_axes
+from gcodesim.executor.freeing import Freed, Freeing
 from gcodesim.executor.part_run import PartRun, PartsInWindow, PartsTarget
 from gcodesim.executor.switching import Switching
 from gcodesim.executor.targets import Bounds
@@ -30,8 +31,8 @@ class Stint:
     """Steps `begin` to `end` of a window. `window` is their commanded motion in S, `X_BS` (n, 4, 4) where S is.
 
     `share` (c, 2) tells where in its step each piece begins and ends, `row` (c,) which path row it is of. `answer`
-    is what the process did, None while it is away from its target, and
-    `wrench` (n, 6) what the tool felt, in base axes. `parts` is what a gripper is given. `anew` makes the stint for a
+    is what the process did, None while it is away from its target, `wrench` (n, 6) what the tool felt, in base axes,
+    and `freed` what it cut loose. `parts` is what a gripper is given. `anew` makes the stint for a
     target that a gripper or a belt may move: where it is by then is known only when it is the turn of these steps.
     """
 
@@ -46,7 +47,9 @@ class Stint:
     anew: Callable[[], Stint | None] | None = None
     answer: ProcessStep | None = None
     wrench: Array | None = None
+    freed: list[Freed] = field(default_factory=list)
     _loop: Any = field(default=None)
+    _freeing: Freeing | None = field(default=None)
 
     def run(self) -> None:
         """All steps at once, as commanded."""
@@ -60,7 +63,9 @@ class Stint:
             self.parts.begin()
             self._keep(task.process.run(self.parts, window, task.state))
         elif _is_near(task, window.piece_start, window.piece_end, window.axis, task.target.filled()):
-            self._keep(task.process.run(task.target.given, window, task.state))
+            freeing = Freeing(task, window, self.row)
+            self._keep(freeing.run())
+            self.freed = freeing.freed
 
     def shift(self, bent: Array) -> None:
         """Act off the command by `bent` (n + 1, 3) [m] in B, at the beginning and at the end of each step."""
@@ -88,6 +93,8 @@ class Stint:
         Under a wrench F the machine moves the tip by `response` (6, 6) F besides.
         """
         if self._loop is None:
+            self._freeing = Freeing(self.task, self.window, self.row)
+            self._freeing.begin()
             self._loop = self.task.process.loop(self.task.target.given, self.window, self.task.state)
         seen, out = np.empty((2, 3)), np.empty(6)
         into_axes(self.X_BS[k], moved_before, moved, seen)
@@ -105,12 +112,16 @@ class Stint:
         if self._loop is not None:
             self._keep(self._loop.finish())
             self._loop = None
+            if self._freeing is not None:
+                self._freeing.end()
+                self.freed, self._freeing = self._freeing.freed, None
         elif self.answer is None:
             self.run()
 
     def forget(self) -> None:
         """Nothing has been done."""
         self.answer = self.wrench = None
+        self.freed = []
 
     def _keep(self, answer: ProcessStep) -> None:
         self.answer, self.wrench = answer, in_base(answer.wrench, self.X_BS)

@@ -19,6 +19,7 @@ from gcodesim.solids import Solid, triangles_of
 
 if TYPE_CHECKING:
     from gcodesim.material.film import BodyFilm, Shades
+    from gcodesim.material.loose import Parting
     from gcodesim.processes.materials import Material
     from gcodesim.processes.protocol import ActsOn
 
@@ -108,6 +109,18 @@ class StockTarget:
 
     def memento(self) -> Callable[[], None]:
         return self.placed.stock.memento()
+
+    @property
+    def parting(self) -> Parting | None:
+        """Who watches for pieces that come loose; None where nothing falls: a lathe has its own way."""
+        if self.placed.revolved:
+            return None
+        stock = self.placed.stock
+        if stock.parting is None:
+            from gcodesim.material.loose import Parting
+
+            stock.parting = Parting(stock)
+        return stock.parting
 
 
 @frozen(kw_only=False, eq=False)

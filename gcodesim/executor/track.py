@@ -15,6 +15,7 @@ from gcodesim.diagnostics import Diagnostic
 from gcodesim.executor.accuracy import PathAccuracy
 from gcodesim.executor.ahead import WindowCut
 from gcodesim.executor.coupling import Coupling, Stretch
+from gcodesim.executor.freeing import Freed
 from gcodesim.executor.made_by import add_passes
 from gcodesim.executor.part_run import PartEnd, PartRun, laden
 from gcodesim.executor.probe_guard import ProbeGuard
@@ -93,7 +94,8 @@ class Execution:
     step.
     `changes` says what was done to each stock. `others`: the same of further channels.
     `passes` at each stock, of all channels, where there is a target.
-    `accuracy`: how far the tip was off its path; None where neither gears nor controllers let it.
+    `accuracy`: how far the tip was off its path; None where neither gears nor controllers let it. `freed` are the
+    pieces that came loose, in order.
     """
 
     rows: RowTotals
@@ -109,6 +111,7 @@ class Execution:
     others: Sequence[Execution] = ()
     passes: Mapping[str, Passes] = field(default_factory=dict)
     accuracy: PathAccuracy | None = None
+    freed: Sequence[Freed] = ()
 
 
 @frozen(eq=False)
@@ -165,6 +168,7 @@ class Track:
         self.done = self.last_row = 0
         self.stands_at = self._home
         self.late_grips: list[GripEvent] = []
+        self.freed: list[Freed] = []
 
     def begin(self) -> None:
         """Put the first tool on the flange, and show the watcher the state at the start."""
@@ -277,6 +281,7 @@ class Track:
             self._accuracy.add(record, tips[:, :3, 3] + record.deflection[:, :3])
         self._standing = record.standing
         add_changes(self.changes, cut.stints)
+        self.freed.extend(piece for _, piece in record.freed)
         if self._passes:
             add_passes(self._passes, cut.stints, self._number)
         if self.parts is not None:
@@ -329,6 +334,7 @@ class Track:
             changes=self.changes,
             passes=self._passes,
             accuracy=self._accuracy,
+            freed=tuple(self.freed),
         )
 
 

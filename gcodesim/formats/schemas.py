@@ -103,7 +103,7 @@ def _results() -> Json:
                         "a piece",
                         volume_mm3=number("mm³"),
                         file=text("of the program"),
-                        line=whole("of the last move that took material beside it"),
+                        line=whole("of the move that cut it loose"),
                         low_mm=array("lowest corner of its box", number("in the stock's columns")),
                         high_mm=array("highest corner", number("in the stock's columns")),
                     ),

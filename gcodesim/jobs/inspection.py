@@ -20,6 +20,7 @@ from gcodesim.executor.totals import JointTotals, RowTotals
 from gcodesim.jobs.calls import Calls
 from gcodesim.jobs.grips import BY_MOTION, grip_finding, held_at_end
 from gcodesim.jobs.loads import loads_of
+from gcodesim.jobs.loose_pieces import loose_finding
 from gcodesim.jobs.meetings import is_wait
 from gcodesim.processes import PROCESSES
 from gcodesim.processes.column import FINDINGS
@@ -47,6 +48,7 @@ class Inspector:
         self._freely = freely
         self._calls = Calls(plan, shop, self._dt)
         self._called: list[Diagnostic] = []
+        self._freed: list[Diagnostic] = []
         self.follow(plan)
 
     def follow(self, plan: Plan) -> None:
@@ -93,6 +95,9 @@ class Inspector:
         called = self._calls.of(record)
         self._called += called
         found += called
+        freed = [loose_finding(piece, self._plan, self._shop) for _, piece in record.freed]
+        self._freed += freed
+        found += freed
         if record.world.saturated.any():
             found += self._saturation(joints)
         if self._above_limits(record):
@@ -107,6 +112,7 @@ class Inspector:
             *self._misuse(execution.rows, ended=not execution.interrupted),
             *self.of_grips(execution),
             *self._called,
+            *self._freed,
             *self._saturation(execution.joints),
             *self._limits(execution.rows),
         ]

@@ -58,7 +58,7 @@ class TurnedResult:
 
 @frozen(eq=False)
 class FallenPiece:
-    """A piece that fell out of a stock: its volume [m³], its box in S [m], and the last move that cut beside it."""
+    """A piece that fell out of a stock: its volume [m³], its box in S [m], and the move that freed it."""
 
     volume: float
     low: Array

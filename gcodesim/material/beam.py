@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from gcodesim.material.beam_kernels import (
     FLAT,
     GAUSSIAN,
+    GAUSSIAN_REACH,
     TOP_HAT,
     Ablating,
     BeamForm,
@@ -28,7 +29,13 @@ Array = NDArray[np.float64]
 PROFILES = {"gaussian": GAUSSIAN, "top_hat": TOP_HAT, "flat": FLAT}
 """How a beam spreads over its footprint; `flat` leaves a level floor when it moves."""
 
-__all__ = ["PROFILES", "BeamForm", "BeamWay", "Struck", "radius_at", "share_within", "strike_stock"]
+__all__ = ["PROFILES", "BeamForm", "BeamWay", "Struck", "radius_at", "share_within", "strike_stock", "widest_within"]
+
+
+def widest_within(form: BeamForm, depth: float) -> float:
+    """The radius [m] that no ray of a beam leaves before the distance `depth` [m] beyond the tip."""
+    widest = max(float(radius_at(form, form.mouth)), float(radius_at(form, depth)))
+    return GAUSSIAN_REACH * widest if form.profile == GAUSSIAN else widest
 
 
 def strike_stock(stock: Stock, form: BeamForm, way: BeamWay, kind: str, threshold: float = 0.0) -> Struck:

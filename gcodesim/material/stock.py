@@ -26,6 +26,7 @@ from gcodesim.material.sweep_kernels import Shape
 if TYPE_CHECKING:
     from gcodesim.material.axis_way import AxisWay
     from gcodesim.material.lattice import Lattice
+    from gcodesim.material.loose import Parting
     from gcodesim.material.relief import Relief
     from gcodesim.material.surface import Surface, Tiles
 
@@ -97,9 +98,21 @@ class Stock:
     `turn` (3, 3) is nearly always the identity: axes of the frame in which the columns stand, seen from the part's
     own frame, when the part was laid on another side (`turning`). All points are in the frame of the columns.
     `doses` is what beams have given each column per area, (nx, ny), by the name of what is meant.
+    `parting` looks in a run for pieces that come loose.
     """
 
-    __slots__ = ("doses", "exact", "field", "lattice", "material", "original", "resolution", "turn", "z_range")
+    __slots__ = (
+        "doses",
+        "exact",
+        "field",
+        "lattice",
+        "material",
+        "original",
+        "parting",
+        "resolution",
+        "turn",
+        "z_range",
+    )
 
     def __init__(
         self,
@@ -117,6 +130,7 @@ class Stock:
         self.z_range, self.resolution, self.material = z_range, resolution, material
         self.turn: Array = np.eye(3)
         self.lattice: Lattice | None = None
+        self.parting: Parting | None = None
         self.exact: Exact | None = None
         self.doses: dict[str, Array] = {}
         self.original = original if original is not None else _copied(columns)

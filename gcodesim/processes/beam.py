@@ -17,10 +17,12 @@ from gcodesim.frozen import frozen
 from gcodesim.processes.column import ENGAGED, FINDINGS, LINES, LOG, REMOVED, RESULTS, Column
 from gcodesim.processes.protocol import Process
 from gcodesim.processes.window import ProcessState, ProcessStep, Window, sums_by_step
+from gcodesim.processes.zone import Zone
 from gcodesim.units import MM, MM3
 
 if TYPE_CHECKING:
     from gcodesim.diagnostics import Diagnostic
+    from gcodesim.material.beam import BeamForm
     from gcodesim.material.stock import Stock
     from gcodesim.processes.rows import Rows
     from gcodesim.tools.beam_tool import BeamTool
@@ -88,20 +90,20 @@ class Beam(Process):
         """Dose [per m²] that goes by before material is taken."""
         return 0.0
 
-    def run(self, stock: Stock | None, window: Window, state: ProcessState) -> ProcessStep:
-        """Let the beam act on `stock` (in place) along the pieces of `window`."""
-        n = window.steps
-        setting = self.setting(window)
-        if stock is None or not setting.on.any():
-            return ProcessStep.free(n)
-        from gcodesim.material.beam import PROFILES, BeamForm, BeamWay, strike_stock
+    def takes_within(self, depth: float) -> Zone:
+        from gcodesim.material.beam import widest_within
 
         tool: Any = self.tool
-        lit = np.flatnonzero(setting.on[window.piece_step])
-        step = window.piece_step[lit]
-        share = np.ones(len(lit)) if window.piece_share is None else np.diff(window.piece_share[lit], axis=1)[:, 0]
-        seconds = share * window.dt
-        form = BeamForm(
+        far = min(max(depth, 0.0), tool.reach)
+        return Zone(radius=widest_within(self.form, far), below=far, above=tool.stand_off)
+
+    @property
+    def form(self) -> BeamForm:
+        """The beam as kernels take it."""
+        from gcodesim.material.beam import PROFILES, BeamForm
+
+        tool: Any = self.tool
+        return BeamForm(
             profile=PROFILES[tool.profile],
             radius=0.5 * tool.diameter,
             focus=tool.focus,
@@ -110,11 +112,25 @@ class Beam(Process):
             mouth=-tool.stand_off,
             reach=tool.reach,
         )
+
+    def run(self, stock: Stock | None, window: Window, state: ProcessState) -> ProcessStep:
+        """Let the beam act on `stock` (in place) along the pieces of `window`."""
+        n = window.steps
+        setting = self.setting(window)
+        if stock is None or not setting.on.any():
+            return ProcessStep.free(n)
+        from gcodesim.material.beam import BeamWay, strike_stock
+
+        tool: Any = self.tool
+        lit = np.flatnonzero(setting.on[window.piece_step])
+        step = window.piece_step[lit]
+        share = np.ones(len(lit)) if window.piece_share is None else np.diff(window.piece_share[lit], axis=1)[:, 0]
+        seconds = share * window.dt
         given = setting.gives[step] * seconds
         way = BeamWay(
             window.piece_start[lit], window.piece_end[lit], window.axis[step], setting.takes[step] * seconds, given
         )
-        struck = strike_stock(stock, form, way, self.dose, self.threshold)
+        struck = strike_stock(stock, self.form, way, self.dose, self.threshold)
         removed = sums_by_step(step, struck.taken, n)
         off, dose, sharp = np.zeros(n), np.zeros(n), np.zeros(n, dtype=bool)
         allowed = tool.tolerance * (1.0 + 1e-9)

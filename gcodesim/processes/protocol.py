@@ -18,7 +18,7 @@ cell has no target of that sort.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, Any, ClassVar, Literal, Protocol, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Final, Literal, Protocol, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,6 +35,8 @@ if TYPE_CHECKING:
     from gcodesim.processes.rows import Rows
 
 Array = NDArray[np.float64]
+
+UP: Final = np.array([0.0, 0.0, 1.0])
 
 ActsOn = Literal["stock", "revolved", "surface", "bodies", "parts", "nothing"]
 
@@ -172,6 +174,23 @@ class Process:
         On a lathe that of the blade, in (r, z). It tells which line made a face; None of processes that make none.
         """
         return None
+
+    def takes_within(self, depth: float) -> Zone:
+        """Where it takes material, seen from the tip of its tool; none lies farther beyond the tip than `depth` [m]."""
+        outline = self.swept
+        if outline is None:
+            return self.zone
+        radius, low, high = float(outline[:, 0].max()), float(outline[:, 1].min()), float(outline[:, 1].max())
+        return Zone(radius=radius, below=-low, above=high)
+
+    def from_above(self, window: Window) -> bool:
+        """Whether all that it takes in a window it takes with what stood above, along Z of its target."""
+        outline = self.swept
+        if outline is None or not np.array_equal(window.axis, np.broadcast_to(UP, window.axis.shape)):
+            return False
+        side = outline[outline[:, 0] > 0.0]
+        risen = np.lexsort((side[:, 0], np.round(side[:, 1], 8)))
+        return bool((np.diff(side[risen, 0]) >= -1e-9).all())
 
     def begin(self) -> ProcessState:
         """The state of a tool that was just put in."""

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -60,6 +60,37 @@ class Window:
         """Number of steps n."""
         return len(self.rapid)
 
+    def part(self, begin: int, end: int) -> Window:
+        """Steps `begin` to `end`, as a window of their own."""
+        first, last = np.searchsorted(self.piece_step, [begin, end])
+        pieces, steps, where = slice(first, last), slice(begin, end), self.where
+        ends = {
+            name: None if value is None else value[steps]
+            for name, value in (
+                ("axis_before", self.axis_before),
+                ("compliance", self.compliance),
+                ("side", self.side),
+                ("pose", self.pose),
+            )
+        }
+        before = self.pose_before if begin == 0 or self.pose is None else self.pose[begin - 1]
+        return replace(
+            self,
+            piece_start=self.piece_start[pieces],
+            piece_end=self.piece_end[pieces],
+            piece_step=self.piece_step[pieces] - begin,
+            piece_share=None if self.piece_share is None else self.piece_share[pieces],
+            filament=None if self.filament is None else self.filament[pieces],
+            axis=self.axis[steps],
+            velocity=self.velocity[steps],
+            rapid=self.rapid[steps],
+            signals={name: values[steps] for name, values in self.signals.items()},
+            dt=self.dt[steps] if isinstance(self.dt, np.ndarray) else self.dt,
+            where=None if where is None else lambda frame: where(frame)[steps],
+            pose_before=before,
+            **ends,
+        )
+
 
 @frozen(eq=False)
 class ProcessStep:
@@ -79,6 +110,19 @@ class ProcessStep:
     def free(steps: int, columns: Mapping[str, NDArray[Any]] | None = None) -> ProcessStep:
         """A result without force over `steps` steps; without `columns` nothing happened at all."""
         return ProcessStep(wrench=np.zeros((steps, 6)), deflection=np.zeros((steps, 3)), columns=columns or {})
+
+    @staticmethod
+    def joined(parts: Sequence[ProcessStep]) -> ProcessStep:
+        """The steps of several results, one after the other."""
+        if len(parts) == 1:
+            return parts[0]
+        names = list(dict.fromkeys(name for part in parts for name in part.columns))
+        return ProcessStep(
+            wrench=np.concatenate([part.wrench for part in parts]),
+            deflection=np.concatenate([part.deflection for part in parts]),
+            columns={name: np.concatenate([part[name] for part in parts]) for name in names},
+            changes=tuple(change for part in parts for change in part.changes),
+        )
 
     def __getitem__(self, name: str) -> NDArray[Any]:
         """A column (n,); zeros when the process left it out."""

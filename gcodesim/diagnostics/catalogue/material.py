@@ -153,8 +153,9 @@ CODES: tuple[Code, ...] = (
         code="GS440",
         severity=Severity.WARNING,
         title="A piece comes loose",
-        what="A cut has parted a piece from its stock. At the end of the run it falls out of the stock, whose "
-        "greatest piece stays. The line is that of the last move that took material beside the piece.",
+        what="A cut has parted a piece from its stock. It falls out of the stock with the step that frees it, so "
+        "later moves cut air where it was; of what hung together before, the greatest piece stays. Pieces of less "
+        "than 16 columns stay too, and so do parts of prints. The line is that of the move that freed it.",
         why="A piece that nothing holds is caught by the cutter, thrown, or jammed below the head.",
         remedy="Leave tabs, hold it by a vacuum or tape, or cut it free last. After a laser or a jet, which is "
         "meant to cut free, this is a note.",

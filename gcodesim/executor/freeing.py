@@ -1,0 +1,167 @@
+"""Cuts that may part their stock: what comes loose falls out of it with the very step that frees it.
+
+A window of steps is cut at once. If something has come loose in it, the cut is undone and halved until the step is
+known; then the piece is taken out of the stock, and the rest of the window goes on without it.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gcodesim.arithmetic.matrices import dots, norms
+from gcodesim.executor.targets import StockTarget
+from gcodesim.frames import Array
+from gcodesim.frozen import frozen
+from gcodesim.processes.column import ADDED
+from gcodesim.processes.window import ProcessStep, Window
+
+if TYPE_CHECKING:
+    from gcodesim.executor.targets import Bounds
+    from gcodesim.executor.tasks import Task
+    from gcodesim.material.loose import Kept, PartedPiece, Parting
+    from gcodesim.material.loose_kernels import Ways
+
+YIELDS: Final = 1e-3
+"""How far [m] a cut may be beside the way that was commanded: more than any arm yields."""
+
+
+@frozen(kw_only=False, eq=False)
+class Freed:
+    """A piece of the stock `name` that the path row `row` has cut loose, in a step of a window."""
+
+    name: str
+    step: int
+    row: int
+    piece: PartedPiece
+
+
+class Freeing:
+    """What one task frees during the steps of a window; `row` (c,) is the path row of each of its pieces."""
+
+    def __init__(self, task: Task, window: Window, row: NDArray[np.int64]) -> None:
+        self._task, self._window, self._row = task, window, row
+        self._parting = _parting_of(task)
+        self._kept: Kept | None = None
+        self.freed: list[Freed] = []
+
+    def run(self) -> ProcessStep:
+        """Let the process act in all steps; what it frees on its way is in `freed` and no longer in the stock."""
+        parting, window = self._parting, self._window
+        if parting is None or not self._may_part(parting):
+            answer = self._act(0, window.steps)
+            if parting is not None and self._task.process.lays and answer[ADDED.name].any():
+                parting.off = True  # prints lie in several pieces
+            return answer
+        done: list[ProcessStep] = []
+        at = 0
+        while at < window.steps:
+            at = self._act_until_parted(parting, at, done)
+        return ProcessStep.joined(done)
+
+    def begin(self) -> None:
+        """Call before the first step where the steps are run one by one; nothing is undone then."""
+        if self._parting is not None and self._may_part(self._parting):
+            self._kept = self._parting.keep(self._ways(0, self._window.steps))
+
+    def end(self) -> None:
+        """Call after the last of these steps: what came loose is ascribed to the last one that passed by."""
+        if self._parting is not None and self._kept is not None:
+            self._take_out(self._parting, self._kept, None)
+            self._kept = None
+
+    def _may_part(self, parting: Parting) -> bool:
+        window, process = self._window, self._task.process
+        if not process.takes:
+            return False
+        lowest = float(np.minimum(window.piece_start, window.piece_end)[:, 2].min(initial=np.inf))
+        if window.compliance is not None or not process.by_path:  # the tip may come deeper than it was told to
+            lowest -= YIELDS
+        return parting.may_part(lowest, from_above=process.from_above(window))
+
+    def _act(self, begin: int, end: int) -> ProcessStep:
+        task, window = self._task, self._window
+        part = window if (begin, end) == (0, window.steps) else window.part(begin, end)
+        return task.process.run(task.target.given, part, task.state)
+
+    def _act_until_parted(self, parting: Parting, at: int, done: list[ProcessStep]) -> int:
+        """Go on from step `at` to the end, or to the step in which something comes loose; the first step after that."""
+        state = self._task.state.values
+        low, high = at, self._window.steps
+        parts = False  # whether it is known that something comes loose before `high`
+        while True:
+            middle = high if not parts or high - low == 1 else (low + high) // 2
+            kept, before = parting.keep(self._ways(low, middle)), state.copy()
+            answer = self._act(low, middle)
+            if parting.parted(kept) is None:
+                done.append(answer)
+                low = middle
+                if low == high:
+                    return high
+            elif middle - low == 1:
+                done.append(answer)
+                self._take_out(parting, kept, low)
+                return middle
+            else:
+                parting.put_back(kept)
+                state[:] = before
+                parts, high = True, middle
+
+    def _take_out(self, parting: Parting, kept: Kept, step: int | None) -> None:
+        parted = parting.parted(kept)
+        for piece in [] if parted is None else parting.take_out(parted):
+            at, row = self._passing(piece, step)
+            self.freed.append(Freed(self._task.target.name, at, row, piece))
+
+    def _passing(self, piece: PartedPiece, step: int | None) -> tuple[int, int]:
+        """The step (if it is not known) and the path row of the last way that came nearest to a piece."""
+        window = self._window
+        own = np.arange(len(self._row)) if step is None else np.flatnonzero(window.piece_step == step)
+        if not len(own):
+            return step or 0, int(self._row[-1]) if len(self._row) else 0
+        middle = np.clip(0.5 * (window.piece_start[own] + window.piece_end[own]), piece.low, piece.high)
+        way, start = window.piece_end[own] - window.piece_start[own], window.piece_start[own]
+        length = np.maximum(dots(way, way), 1e-30)
+        share = np.clip(dots(middle - start, way) / length, 0.0, 1.0)
+        gap = norms(start + share[:, None] * way - middle)
+        last = int(own[np.flatnonzero(gap <= gap.min() + 1e-9)[-1]])
+        return int(window.piece_step[last]), int(self._row[last])
+
+    def _ways(self, begin: int, end: int) -> Ways:
+        """Where the process may take material in steps `begin` to `end`."""
+        from gcodesim.material.loose_kernels import Ways
+
+        window = self._window
+        first, last = np.searchsorted(window.piece_step, [begin, end])
+        starts, ends = window.piece_start[first:last], window.piece_end[first:last]
+        step = window.piece_step[first:last]
+        axis = window.axis[step]
+        before = axis if window.axis_before is None else window.axis_before[step]
+        zone = self._task.process.takes_within(_depth_below(starts, ends, axis, self._task.target.room))
+        along = np.stack([height * way[:, :2] for height in (zone.above, -zone.below) for way in (axis, before)])
+        turn = axis - before
+        bulge = max(zone.above, zone.below) * dots(turn, turn)  # a turning axis comes farther out than its chord
+        across = (zone.radius + YIELDS + bulge)[:, None]
+        return Ways(
+            np.ascontiguousarray(starts, dtype=float),
+            np.ascontiguousarray(ends, dtype=float),
+            np.minimum(along.min(axis=0), 0.0) - across,
+            np.maximum(along.max(axis=0), 0.0) + across,
+        )
+
+
+def _parting_of(task: Task) -> Parting | None:
+    if not (task.process.takes or task.process.lays) or not isinstance(task.target, StockTarget):
+        return None
+    return task.target.parting
+
+
+def _depth_below(starts: Array, ends: Array, axis: Array, room: Bounds | None) -> float:
+    """How far beyond a tip, along its axis (c, 3), the farthest corner of a box lies [m]."""
+    if room is None or not len(starts):
+        return np.inf
+    low, high = (np.where(np.isfinite(corner), corner, 0.0) for corner in room)
+    corner = np.where(axis > 0.0, low, high)
+    return float(max(dots(starts - corner, axis).max(), dots(ends - corner, axis).max()))
