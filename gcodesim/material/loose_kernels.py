@@ -153,8 +153,6 @@ def number_pieces(columns: Columns, within: Bytes, label: Ints, waiting: Longs) 
     Only columns of marked patches count. label (nx, ny, k) gets numbers from 1 on where it was 0; `waiting` has room
     for all intervals.
     """
-    lo, hi, count = columns
-    nx, ny, room = lo.shape
     pieces = 0
     for pi in range(within.shape[0]):
         for pj in range(within.shape[1]):
