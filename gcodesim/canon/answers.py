@@ -46,6 +46,20 @@ class Noticed(Event):
 
 
 @frozen
+class ToolAwaited(Event):
+    """The machine is about to fetch a tool, and stands until it is there: another machine may have it."""
+
+    tool: int
+
+
+@frozen
+class ToolReturned(Event):
+    """The machine has put a tool back where others can fetch it."""
+
+    tool: int
+
+
+@frozen
 class Pause(Dwell):
     """The rest of a step in which the machine came to rest: the answer comes with the next."""
 

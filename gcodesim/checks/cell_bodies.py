@@ -31,7 +31,8 @@ STILL: Final = -1
 class CellBody:
     """A rigid body: its `role`, its `frame` in the scene, and of a link or tool the `mover` and the tool's number.
 
-    `part` is which part of a tool it is, `opening` (0 to 1) how far open a gripper is that has this shape.
+    `part` is which part of a tool it is, `opening` (0 to 1) how far open a gripper is that has this shape. `stand` is
+    the number of a tool that waits in its stand.
     """
 
     rigid: RigidBody
@@ -41,6 +42,7 @@ class CellBody:
     part: str = ""
     tool: int = 0
     opening: float = 1.0
+    stand: int = 0
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,6 +104,10 @@ class CellTree:
             np.array(prismatic, dtype=np.int64),
         )
 
+    def is_flange(self, mover: str, body: CellBody) -> bool:
+        """Whether a link is the one of a mover that carries tools."""
+        return body.rigid.carrier == self.first[mover] + self.scene.movers[mover].kinematics.chain.tree.flange_carrier
+
     def carrier(self, frame: str) -> tuple[int, Pose]:
         """The joint that carries a frame which is no part's, and where the frame is on it."""
         if frame in self.device:
@@ -154,10 +160,18 @@ class CellBodies:
     bodies: tuple[CellBody, ...]
 
     @staticmethod
-    def of(tree: CellTree, tools: Mapping[str, Sequence[tuple[int, Tool, Sequence[float]]]]) -> CellBodies:
-        """`tools` are those that each mover takes, with their numbers and how far open a gripper is seen."""
+    def of(
+        tree: CellTree,
+        tools: Mapping[str, Sequence[tuple[int, Tool, Sequence[float]]]],
+        parked: Sequence[tuple[int, Tool, Pose]] = (),
+    ) -> CellBodies:
+        """`tools` are those that each mover takes, with their numbers and how far open a gripper is seen.
+
+        `parked` are those that have a stand, with the poses X_WT in it.
+        """
         bodies = [body for mover in tree.scene.movers.values() for body in _links(tree, mover)]
         bodies += _standing(tree)
+        bodies += [_parked(number, tool, X_WT) for number, tool, X_WT in parked]
         for name, own in tools.items():
             for number, tool, openings in own:
                 for opening in openings:
@@ -226,6 +240,13 @@ def _standing(tree: CellTree) -> list[CellBody]:
         mover = next((name for name, first in tree.first.items() if first <= joint < first + _count(tree, name)), "")
         found.append(CellBody(rigid=rigid, role=body.role, frame=body.name, mover=mover))
     return found
+
+
+def _parked(number: int, tool: Tool, X_WT: Pose) -> CellBody:
+    """A tool in its stand."""
+    solids = tuple(placed.at(X_WT) for _, placed in tool.drawn() if readable(placed))
+    rigid = RigidBody(name=f"{tool.name} in its stand", solids=solids, carrier=STILL)
+    return CellBody(rigid=rigid, role="fixture", stand=number)
 
 
 def _count(tree: CellTree, mover: str) -> int:

@@ -1,4 +1,4 @@
-"""Findings about parts, devices and machines of one cell that meet: GS304, GS308 to GS311, GS567 and GS930."""
+"""Findings about parts, devices, machines and tools in stands that meet: GS304, GS305, GS308 to GS311, GS567, GS930."""
 
 from __future__ import annotations
 
@@ -21,6 +21,7 @@ from gcodesim.units import MM
 if TYPE_CHECKING:
     from gcodesim.planning.plan import Plan
 
+LINK: Final = "GS305"
 PART: Final = "GS309"
 DEVICE: Final = "GS310"
 MACHINES: Final = "GS311"
@@ -28,6 +29,7 @@ NEAR: Final = "GS308"
 CHANGED: Final = "GS567"
 
 _HINTS: Final = {
+    LINK: "go round the tool in its stand, or move the stand",
     PART: "go round it or above it, or move it in the cell",
     DEVICE: "wait until it is out of the way (`M66` on an input of it), or switch it later",
     MACHINES: "let one wait for the other at a mark, or give each a zone of its own",
@@ -117,6 +119,8 @@ class CellWords:
         hint = _HINTS[code]
         if code == MACHINES and "fixture" in roles and one.part and not other.mover:
             code, hint = body_part(one.part).code, body_part(one.part).hint
+        elif code == MACHINES and other.stand:
+            code, hint = LINK, _HINTS[LINK]
         span, where = self._place(meeting, one, other, meeting.begin, "first ")
         depth = -meeting.gap / MM
         return Diagnostic(

@@ -60,12 +60,24 @@ class Mounted:
     end: float
 
 
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Coupling:
+    """From `begin` to `end` [s] the flange of a mover comes to the tool in its stand, or leaves it there."""
+
+    mover: str
+    tool: int
+    begin: float
+    end: float
+
+
 def may_meet(one: CellBody, other: CellBody, grippers: Collection[int]) -> bool:
     """Whether a meeting of two bodies is looked for here; see `MachineChecks` for those of one machine.
 
     Grippers are no bodies of revolution, and do not keep their shape: what they do to fixtures is looked for here, too.
     """
     roles = {one.role, other.role}
+    if one.stand or other.stand:
+        return not roles <= {"fixture", "stock"}
     if roles & {"part", "obstacle"}:
         return True
     if "fixture" in roles and (one.tool in grippers or other.tool in grippers):
@@ -101,6 +113,7 @@ class CellSearch:
     mounted: Sequence[Mounted]
     grippers: Mapping[int, float]
     clearance: float | None = None
+    couplings: Sequence[Coupling] = ()
     apart: frozenset[frozenset[str]] = frozenset()
     overlaps: list[tuple[CellBody, CellBody, float]] = field(default_factory=list)
     """Lying things that are drawn in each other, and since when [s]: they are not checked against each other."""
@@ -119,7 +132,7 @@ class CellSearch:
     def pairs(self) -> Pairs:
         """Bodies that may not meet, as pairs (p, 2)."""
         bodies, apart = self.cell.bodies, self.apart
-        kinds = [(body.role, body.mover, body.tool) for body in bodies]
+        kinds = [(body.role, body.mover, body.tool, body.stand) for body in bodies]
         found = pairs_by_kind(kinds, lambda i, j: may_meet(bodies[i], bodies[j], self.grippers))
         if apart:
             found = [(i, j) for i, j in found if frozenset((bodies[i].rigid.name, bodies[j].rigid.name)) not in apart]
@@ -162,7 +175,8 @@ class CellSearch:
     def _phases(self) -> Iterator[tuple[float, float]]:
         first, last = float(self.way.time[0]), float(self.way.time[-1])
         ends = [stay.begin for stay in self.stays] + [stay.end for stay in self.stays]
-        ends += [each.begin for each in self.mounted] + [each.end for each in self.mounted]
+        ends += [at for each in self.mounted for at in (each.begin, each.end)]
+        ends += [at for each in self.couplings for at in (each.begin, each.end)]
         times = sorted({first, last, *(float(at) for at in ends if first < at < last)})
         yield from pairwise(times)
 
@@ -251,6 +265,7 @@ class _Phase:
     stays: Mapping[str, Stay]
     places: Mapping[str, tuple[int, Pose]]
     tools: Mapping[str, int]
+    coupling: Collection[tuple[str, int]]
 
     @staticmethod
     def of(search: CellSearch, begin: float, end: float) -> _Phase:
@@ -259,7 +274,8 @@ class _Phase:
         tools = {each.mover: each.tool for each in search.mounted if each.begin <= middle < each.end}
         places = {name: _place(search, name, stays) for name in stays}
         known = {name: at for name, at in places.items() if at is not None}
-        return _Phase(search, begin, end, search.way.part(begin, end), stays, known, tools)
+        coupling = {(each.mover, each.tool) for each in search.couplings if each.begin <= middle < each.end}
+        return _Phase(search, begin, end, search.way.part(begin, end), stays, known, tools, coupling)
 
     @property
     def cell(self) -> CellBodies:
@@ -268,6 +284,8 @@ class _Phase:
     def _is_there(self, body: CellBody) -> bool:
         if body.role == "part":
             return body.frame in self.places
+        if body.stand:
+            return body.stand not in self.tools.values()
         if not body.tool:
             return True
         if self.tools.get(body.mover) != body.tool:
@@ -302,6 +320,10 @@ class _Phase:
         i, j = pairs[:, 0], pairs[:, 1]
         maybe = there[i] & there[j] & (moved_by[i] != moved_by[j])
         maybe &= (low[i] <= high[j]).all(axis=1) & (low[j] <= high[i]).all(axis=1)
+        for mover, number in self.coupling:
+            flange = np.array([body.mover == mover and tree.is_flange(mover, body) for body in bodies])
+            stand = np.array([body.stand == number for body in bodies])
+            maybe &= ~((flange[i] & stand[j]) | (stand[i] & flange[j]))
         return np.flatnonzero(maybe)
 
     def _boxes(self) -> tuple[Array, Array]:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.arithmetic.matrices import applied, norms
-from gcodesim.canon import ToolChange
+from gcodesim.canon import ToolChange, ToolNumber
 from gcodesim.checks.machine_bodies import readable
 from gcodesim.diagnostics import Diagnostic, Span
 from gcodesim.frames import Array, Pose
@@ -174,14 +174,15 @@ def _tools_twice(one: Occupant, other: Occupant) -> Iterator[Diagnostic]:
                 related=earlier,
                 message=f"`{who.channel}` takes T{number} at {max(begin, start):.2f} s, "
                 f"which `{owner.channel}` has in its spindle",
-                hint="give each of them a tool of its own, or let one put it back before the other takes it",
+                hint="nobody waits for what is loaded at the start (`loaded_tool`) or put in by hand (M61): give each "
+                "a tool of its own, or let it be fetched by an M6",
                 time=max(begin, start),
             )
 
 
 def _in_spindle(occupant: Occupant) -> list[tuple[int, float, float, Span]]:
     """Which tool is in the spindle from when until when [s], and where the program takes it."""
-    changes = [timed for timed in occupant.plan.trajectory.events if isinstance(timed.event, ToolChange)]
+    changes = [timed for timed in occupant.plan.trajectory.events if isinstance(timed.event, ToolChange | ToolNumber)]
     numbers = [occupant.loaded, *(timed.event.tool for timed in changes)]  # type: ignore[attr-defined]
     begins = [0.0, *(timed.time for timed in changes)]
     spans = [_span_at(occupant.plan, 0.0), *(timed.event.span for timed in changes)]

@@ -410,11 +410,11 @@ def _several_programs(hashed: Json) -> dict[str, Json]:
         "channel": text("who stands there"),
         "file": text("of its program"),
         "line": whole("of the mark"),
-        "mark": text("its name"),
+        "mark": text("its name; `T1` where it waits for a tool that another channel has"),
     }
     wait = record(
-        "a mark that the program came to",
-        mark=text("its name"),
+        "a mark that the program came to, or a tool for which it waited",
+        mark=text("its name; `T1` of a tool"),
         file=text("of the program"),
         line=whole("where"),
         begin_s=number("when it came there"),
@@ -426,7 +426,7 @@ def _several_programs(hashed: Json) -> dict[str, Json]:
         line=whole("where"),
         begin_s=number("when it began"),
         end_s=nullable(number("when it ended; null: never")),
-        mark=text("the mark at which it waits; only of a wait"),
+        mark=text("the mark at which it waits, or the tool for which; only of a wait"),
     )
     block["required"].remove("mark")
     channel = record(
@@ -437,7 +437,7 @@ def _several_programs(hashed: Json) -> dict[str, Json]:
         end_s=nullable(number("when it ends; null: it waits for ever")),
         time=_times(wait_s=number("the part of dwell in which it waits for other programs")),
         distance=record("ways of its tool", feed_mm=number("at feed"), rapid_mm=number("in rapid")),
-        waits=array("the marks that it came to, in order", wait),
+        waits=array("the marks that it came to and the tools that it waited for, in order", wait),
         blocks=array("all blocks in the order of execution; only of a check", block),
     )
     channel["required"].remove("blocks")

@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from gcodesim.canon import Action
-from gcodesim.jobs.meetings import is_wait
+from gcodesim.canon import Action, ToolAwaited
+from gcodesim.jobs.meetings import is_mark, is_wait, name_of
 from gcodesim.motion.trajectory import Trajectory
 from gcodesim.numbers import rounded
 
@@ -24,15 +24,16 @@ def block_times(trajectory: Trajectory, *, unended: bool) -> list[dict[str, Any]
         for a, b in zip(first.tolist(), last.tolist(), strict=True):
             span = path.span(a)
             timed.append((2 * a + 1, 0, _entry(span.file, span.line, float(start[a]), float(end[b]))))
-    for index, event in enumerate(trajectory.events):
-        waits = is_wait(event.event)
-        if event.duration > 0.0 or waits:
-            span = event.event.span
-            entry = _entry(span.file, span.line, event.time, event.time + event.duration)
-            if waits:
-                assert isinstance(event.event, Action)
-                entry["mark"] = event.event.verb
-            timed.append((2 * event.row, index, entry))
+    last = len(trajectory.events) - 1
+    for index, timed_event in enumerate(trajectory.events):
+        event = timed_event.event
+        if timed_event.duration > 0.0 or is_mark(event) or (unended and index == last):
+            entry = _entry(
+                event.span.file, event.span.line, timed_event.time, timed_event.time + timed_event.duration
+            )
+            if isinstance(event, (Action, ToolAwaited)) and is_wait(event):
+                entry["mark"] = name_of(event)
+            timed.append((2 * timed_event.row, index, entry))
     timed.sort(key=lambda item: item[:2])
     blocks = [entry for _, _, entry in timed]
     if unended:

@@ -23,7 +23,7 @@ from gcodesim.tools.gripper import Gripper
 if TYPE_CHECKING:
     from gcodesim.checks.cell_bodies import CellBody
     from gcodesim.checks.cell_collisions import Running
-    from gcodesim.checks.cell_meetings import Mounted
+    from gcodesim.checks.cell_meetings import Coupling, Mounted
     from gcodesim.jobs.job import Job
     from gcodesim.planning import Plan
 
@@ -38,7 +38,8 @@ def meets_others(shop: Shop, channels: int) -> bool:
     """Whether there is anything in a cell that only `collisions` looks at."""
     cell = shop.cell
     grips = bool(cell.fixtures) and any(isinstance(tool, Gripper) for tool in cell.tools.values())
-    return bool(cell.parts or cell.devices) or channels > 1 or len(shop.scene.movers) > 1 or grips
+    things = bool(cell.parts or cell.devices or cell.magazine.stands)
+    return things or grips or channels > 1 or len(shop.scene.movers) > 1
 
 
 def collisions(job: Job, stays: Sequence[Stay] | None, end: float | None = None) -> Iterator[Diagnostic]:
@@ -74,7 +75,8 @@ def collisions(job: Job, stays: Sequence[Stay] | None, end: float | None = None)
         ]
         for own in shops
     }
-    bodies = CellBodies.of(tree, tools)
+    parked = [(n, tool, shop.stand(n) @ tool.X_FT) for n in cell.magazine.stands if (tool := shop.tool(n)) is not None]
+    bodies = CellBodies.of(tree, tools, parked)
     joints = _joints_of(shop, shops, plans, devices, histories)
     times = [0.0, last, *(t for plan in plans for t in plan.trajectory.boundaries(0.0, last))]
     times += [t for history in histories.values() for t in _nodes(history)]
@@ -94,6 +96,7 @@ def collisions(job: Job, stays: Sequence[Stay] | None, end: float | None = None)
         mounted=mounted,
         grippers={n: getattr(tool, "reach", 0.0) for n, tool in cell.tools.items() if isinstance(tool, Gripper)},
         clearance=cell.limits.clearance,
+        couplings=[each for own, plan in zip(shops, plans, strict=True) for each in _couplings(own, plan)],
         apart=cell.limits.apart,
     )
 
@@ -218,6 +221,23 @@ def _mounted(shop: Shop, plan: Plan, last: float) -> list[Mounted]:
         for number, begin, end in zip(numbers, starts, ends, strict=True)
         if begin < last
     ]
+
+
+def _couplings(shop: Shop, plan: Plan) -> Iterator[Coupling]:
+    """When the flange of an arm comes to a tool in its stand, or leaves it there: in the row beside each change."""
+    from gcodesim.checks.cell_meetings import Coupling
+
+    path, law = plan.path, plan.trajectory
+    if not shop.cell.magazine.stands or not len(path):
+        return
+    of_row = np.array([state.tool for state in path.states])[path.state]
+    for row in np.flatnonzero(np.diff(of_row) != 0).tolist():
+        before, after = int(of_row[row]), int(of_row[row + 1])
+        if after:
+            yield Coupling(mover=shop.name, tool=after, begin=float(law.row_start[row]), end=float(law.row_end[row]))
+        if before:
+            begin, end = float(law.row_end[row]), float(law.row_end[row + 1])
+            yield Coupling(mover=shop.name, tool=before, begin=begin, end=end)
 
 
 def _joints_of(

@@ -27,7 +27,7 @@ from gcodesim.checks.speed import speed_findings
 from gcodesim.checks.told_once import told_once
 from gcodesim.diagnostics import Diagnostic, Severity, Span
 from gcodesim.frames import Array
-from gcodesim.jobs.meetings import is_wait, lone_marks
+from gcodesim.jobs.meetings import is_stop, lone_marks
 from gcodesim.jobs.results import ProbeResult
 from gcodesim.jobs.sensor_waits import not_heard, standing_still, waited_in_vain
 from gcodesim.motion.build import PathBuilder
@@ -35,6 +35,7 @@ from gcodesim.motion.joining import standing_until, with_instant
 from gcodesim.motion.tool_path import PathEvent, ToolPath
 from gcodesim.motion.trajectory import TimedEvent
 from gcodesim.planning import Plan, plan_path, posing_of
+from gcodesim.planning.handing_over import tool_after, with_handing_over
 from gcodesim.planning.legs import followed_by
 from gcodesim.planning.switched import history_of
 from gcodesim.processes.signal import ACTIVE, BEAM, BEAM_POWER, FLOW, SPRAY
@@ -61,7 +62,10 @@ class Legs:
     """Reads and plans `job` leg by leg: the first one by `prepare`, further ones while it is run or checked."""
 
     def __init__(self, job: Job, start: Axes, *, marks: int | None = None) -> None:
-        """Read all of the program, or up to its first `marks` + 1 marks, at the last of which it waits for ever."""
+        """Read all of the program, or up to its stop number `marks`, from 0, at which it waits for ever.
+
+        Stops are marks and tool changes.
+        """
         assert job.shop is not None and job.reading is not None and job.cell is not None
         self._job, self._reading = job, job.reading
         self._stream = job.reading.stream()
@@ -74,6 +78,7 @@ class Legs:
         self._read = self._ended = False
         self._posing = posing_of(job.shop, self._obstacles())
         self._at: Array = job.shop.home
+        self._mounted = job.cell.channels[job.channel].loaded_tool or 0
         self._step_ns = job.cell.simulation.step_ns
         self._steps = 0  # of all legs so far
         self._stocked: bool | None = None
@@ -165,24 +170,34 @@ class Legs:
                 if isinstance(item, _QUESTIONS):
                     self._question = item
                     break
-                add(item)
-                if self._marks is not None and self._holds(item):
+                if self._marks is not None and isinstance(item, canon.Event) and self._holds(item):
+                    self._stand_at(item)
                     self._end_of_reading()
                     break
+                add(item)
             else:
                 self._end_of_reading()
         self._job.sources |= self._reading.sources
 
-    def _holds(self, item: canon.Event | MoveBatch) -> bool:
+    def _holds(self, item: canon.Event) -> bool:
         """Whether the program waits for ever here."""
         assert self._marks is not None
-        if not isinstance(item, canon.Action) or not is_wait(item):
+        if not is_stop(item):
             return False
         self._marks -= 1
         if self._marks >= 0:
             return False
         self._job.held = item.span
         return True
+
+    def _stand_at(self, item: canon.Event) -> None:
+        """Come to the mark, or ask for the tool; what an arm puts into a stand for that, it does put there."""
+        if not isinstance(item, canon.ToolChange):
+            self._builder.add(item)
+            return
+        if self.shop.cell.magazine.stands:
+            self._builder.add(canon.ToolChange(span=item.span, tool=0))
+        self._builder.add(canon.ToolAwaited(span=item.span, tool=item.tool))
 
     def _take(self, item: canon.Event | MoveBatch) -> None:
         if isinstance(item, _QUESTIONS):
@@ -208,6 +223,9 @@ class Legs:
     def _plain_leg(self) -> Plan | None:
         """Plan all moves that have been read; None when nothing is left to do."""
         path = self._builder.leg()
+        if not self._job.alone:
+            path = with_handing_over(path, self._mounted)
+            self._mounted = tool_after(path, self._mounted)
         before = self._job.plan
         self._job.events = [*self._job.events, *(noted.event for noted in path.events)]
         if self._read:

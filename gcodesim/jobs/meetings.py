@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
-from gcodesim.canon import Action, Event
+from gcodesim.canon import Action, Event, ToolAwaited, ToolChange, ToolReturned
 from gcodesim.cell.channel import WAIT
 from gcodesim.cell.placement import bounds_of
 from gcodesim.checks.sharing import Occupant, SharedZone, sharing_findings
@@ -17,29 +17,47 @@ from gcodesim.frames import WORLD
 from gcodesim.frozen import frozen
 from gcodesim.motion.waits import with_waits
 from gcodesim.numbers import rounded
-from gcodesim.planning.meetings import Agenda, Arrival, Halt, Timetable, timetable
+from gcodesim.planning.meetings import Agenda, Arrival, Fetching, Halt, Returning, Stop, Timetable, timetable
 from gcodesim.planning.waiting import waiting
 from gcodesim.shop import side_by_side
 
 if TYPE_CHECKING:
     from gcodesim.jobs.job import Job
-    from gcodesim.planning import Plan
+    from gcodesim.motion.trajectory import TimedEvent
+
+Meeting: TypeAlias = Action | ToolAwaited | ToolReturned
+"""Where the program of a channel meets those of others: a mark, or a tool that others may have or want."""
 
 
-def is_wait(item: object) -> bool:
+def is_mark(item: object) -> bool:
     """Whether an event is a mark at which programs wait for each other."""
     return isinstance(item, Action) and item.target == WAIT
 
 
+def is_wait(item: object) -> bool:
+    """Whether the machine may stand at an event because of other programs: at a mark, or for a tool."""
+    return is_mark(item) or isinstance(item, ToolAwaited)
+
+
+def is_stop(item: object) -> bool:
+    """Whether a program may wait for ever at an event of its own: a mark, or a tool change."""
+    return is_mark(item) or isinstance(item, ToolChange)
+
+
+def name_of(item: Meeting) -> str:
+    """The mark, or the tool, for which a program waits."""
+    return item.verb if isinstance(item, Action) else f"T{item.tool}"
+
+
 @frozen
 class Appointments:
-    """How the programs of a run meet; `marks` are the events of each channel at which it waits, in order."""
+    """How the programs of a run meet; `marks` are the events of each channel at which it may wait, in order."""
 
     table: Timetable
-    marks: Mapping[str, Sequence[Action]]
+    marks: Mapping[str, Sequence[Meeting]]
 
-    def at(self, standing: Halt) -> Action:
-        """The mark at which a channel stands."""
+    def at(self, standing: Halt) -> Meeting:
+        """The event at which a channel stands."""
         return self.marks[standing.channel][standing.index]
 
     def waits(self, channel: str) -> list[dict[str, Any]]:
@@ -47,13 +65,14 @@ class Appointments:
         pairs = zip(self.table.waits[channel], self.marks[channel], strict=False)
         return [
             {
-                "mark": mark.verb,
+                "mark": name_of(mark),
                 "file": mark.span.file,
                 "line": mark.span.line,
                 "begin_s": rounded(wait.begin),
                 "end_s": None if wait.end is None else rounded(wait.end),
             }
             for wait, mark in pairs
+            if isinstance(mark, Action) or wait.end is None or wait.seconds > 0.0
         ]
 
     def as_json(self) -> dict[str, Any]:
@@ -72,28 +91,28 @@ class Appointments:
             "channel": standing.channel,
             "file": mark.span.file,
             "line": mark.span.line,
-            "mark": mark.verb,
+            "mark": name_of(mark),
         }
 
 
 def meet(jobs: Sequence[Job], read_again: Callable[[Job, int], None]) -> Appointments:
     """Put the programs of `jobs` on one clock: their plans get waits, and the first job the findings about them.
 
-    A program that waits for ever at a mark is read and planned again up to there by `read_again(job, marks passed)`.
+    A program that waits for ever is read and planned again up to there by `read_again(job, stops passed)`.
     """
-    marks: dict[str, list[Action]] = {}
+    marks: dict[str, list[Meeting]] = {}
     agendas: dict[str, Agenda] = {}
     for job in jobs:
         for _ in iter(lambda job=job: job.legs.onward() if job.legs is not None else None, None):  # type: ignore[misc]
             pass
         assert job.plan is not None
-        marks[job.channel], agendas[job.channel] = _agenda(job.plan)
+        marks[job.channel], agendas[job.channel] = _agenda(job)
     table = timetable(agendas)
     meetings = Appointments(table=table, marks=marks)
     for job in jobs:
         waits = table.waits[job.channel]
         if table.ends[job.channel] is None:
-            read_again(job, len(waits) - 1)
+            read_again(job, _stops_before(job, len(waits) - 1))
         _delay(job, [wait.seconds for wait in waits])
     jobs[0].findings.extend(findings(meetings))
     jobs[0].findings.extend(_sharing(jobs))
@@ -127,19 +146,50 @@ def share_shop(job: Job) -> None:
         each.shop = shop
 
 
-def _agenda(plan: Plan) -> tuple[list[Action], Agenda]:
-    """The marks of a plan, and when it comes to them."""
-    timed = [event for event in plan.trajectory.events if is_wait(event.event)]
-    arrivals = [Arrival(mark=event.event.verb, time=event.time) for event in timed]  # type: ignore[attr-defined]
-    return [event.event for event in timed], Agenda(arrivals=arrivals, duration=plan.trajectory.duration)  # type: ignore[misc]
+def _agenda(job: Job) -> tuple[list[Meeting], Agenda]:
+    """Where a program meets others, and when it comes there."""
+    assert job.plan is not None and job.cell is not None
+    trajectory = job.plan.trajectory
+    timed = _meetings(trajectory.events)
+    loaded = job.cell.channels[job.channel].loaded_tool or 0
+    holds = frozenset((f"T{loaded}",) if loaded else ())
+    agenda = Agenda(arrivals=[_stop(event) for _, event in timed], duration=trajectory.duration, holds=holds)
+    return [event.event for _, event in timed], agenda  # type: ignore[misc]
+
+
+def _meetings(events: Sequence[TimedEvent]) -> list[tuple[int, TimedEvent]]:
+    """The events at which a program meets others, with their numbers."""
+    return [(index, event) for index, event in enumerate(events) if is_wait(event.event) or _returns(event.event)]
+
+
+def _returns(item: object) -> bool:
+    return isinstance(item, ToolReturned)
+
+
+def _stop(timed: TimedEvent) -> Stop:
+    event = timed.event
+    if isinstance(event, ToolAwaited):
+        return Fetching(thing=f"T{event.tool}", time=timed.time)
+    if isinstance(event, ToolReturned):
+        return Returning(thing=f"T{event.tool}", time=timed.time)
+    assert isinstance(event, Action)
+    return Arrival(mark=event.verb, time=timed.time)
+
+
+def _stops_before(job: Job, meeting: int) -> int:
+    """How many marks and tool changes a program passes before it comes to the meeting of this number."""
+    assert job.plan is not None
+    events = job.plan.trajectory.events
+    index, _ = _meetings(events)[meeting]
+    return sum(is_stop(each.event) for each in events[:index])
 
 
 def _delay(job: Job, seconds: Sequence[float]) -> None:
     """Put the waits into the plan of `job`, and let its findings be as late as what they are about."""
     plan = job.plan
     assert plan is not None
-    timed = [(index, event.time) for index, event in enumerate(plan.trajectory.events) if is_wait(event.event)]
-    waits = [(index, time, wait) for (index, time), wait in zip(timed, seconds, strict=True) if wait > 0.0]
+    timed = _meetings(plan.trajectory.events)
+    waits = [(index, event.time, wait) for (index, event), wait in zip(timed, seconds, strict=True) if wait > 0.0]
     if not waits:
         return
     job.plan = waiting(plan, with_waits(plan.trajectory, {index: wait for index, _, wait in waits}))
@@ -157,18 +207,34 @@ def findings(meetings: Appointments) -> Iterator[Diagnostic]:
     if table.circle:
         yield _deadlock(meetings)
     for standing, by in table.ended:
+        yield _abandoned(meetings, standing, by)
+    for standing in table.lone:
         mark = meetings.at(standing)
-        yield Diagnostic(
+        assert isinstance(mark, Action)
+        yield lone_mark(standing.channel, mark)
+
+
+def _abandoned(meetings: Appointments, standing: Halt, by: str) -> Diagnostic:
+    """GS621 for a channel that waits for `by`, whose program has ended."""
+    mark, name = meetings.at(standing), name_of(meetings.at(standing))
+    begin = meetings.table.waits[standing.channel][-1].begin
+    if not isinstance(mark, Action):
+        return Diagnostic(
             code="GS621",
             span=mark.span,
-            message=f"`{standing.channel}` waits at `{mark.verb}` for `{by}`, whose program has ended "
-            f"after coming there {_times(meetings, by, mark.verb)}",
-            hint=f"`{standing.channel}` comes here for the {_ordinal(_count(meetings, standing))} time; "
-            "both programs must come to a mark equally often",
-            time=table.waits[standing.channel][-1].begin,
+            message=f"`{standing.channel}` waits for {name}, which `{by}` has, whose program has ended",
+            hint=f"let `{by}` put {name} back (T0 M6) before it ends",
+            time=begin,
         )
-    for standing in table.lone:
-        yield lone_mark(standing.channel, meetings.at(standing))
+    return Diagnostic(
+        code="GS621",
+        span=mark.span,
+        message=f"`{standing.channel}` waits at `{name}` for `{by}`, whose program has ended "
+        f"after coming there {_times(meetings, by, name)}",
+        hint=f"`{standing.channel}` comes here for the {_ordinal(_count(meetings, standing))} time; "
+        "both programs must come to a mark equally often",
+        time=begin,
+    )
 
 
 def lone_mark(channel: str, mark: Action) -> Diagnostic:
@@ -195,18 +261,27 @@ def _deadlock(meetings: Appointments) -> Diagnostic:
     marks = [meetings.at(standing) for standing in circle]
     following = [*circle[1:], circle[0]]
     told = "; ".join(
-        f"`{one.channel}` waits in {_named(mark.span)} at `{mark.verb}` for `{other.channel}`"
+        f"`{one.channel}` waits in {_named(mark.span)} {_awaits(mark, other.channel)}"
         for one, mark, other in zip(circle, marks, following, strict=True)
     )
-    names = " and ".join(f"`{name}`" for name in dict.fromkeys(mark.verb for mark in marks))
+    tools = dict.fromkeys(name_of(mark) for mark in marks if not isinstance(mark, Action))
+    names = " and ".join(f"`{name}`" for name in dict.fromkeys(name_of(mark) for mark in marks) if name not in tools)
+    order = f"let all of them come to {names} in one order"
+    back = f"put {' and '.join(tools)} back (T0 M6) before waiting for another program or tool"
     return Diagnostic(
         code="GS620",
         span=marks[0].span,
         message=f"programs wait for each other in a circle: {told}",
-        hint=f"let all of them come to {names} in one order",
+        hint=back if tools else order,
         related=marks[1].span,
         time=max(meetings.table.waits[standing.channel][-1].begin for standing in circle),
     )
+
+
+def _awaits(mark: Meeting, other: str) -> str:
+    if isinstance(mark, Action):
+        return f"at `{mark.verb}` for `{other}`"
+    return f"for {name_of(mark)}, which `{other}` has"
 
 
 def _named(span: Span) -> str:
@@ -215,12 +290,13 @@ def _named(span: Span) -> str:
 
 def _count(meetings: Appointments, standing: Halt) -> int:
     """How often a channel has come to the mark at which it stands, this time included."""
-    mark = meetings.at(standing).verb
-    return sum(each.verb == mark for each in meetings.marks[standing.channel][: standing.index + 1])
+    mark = name_of(meetings.at(standing))
+    passed = meetings.marks[standing.channel][: standing.index + 1]
+    return sum(isinstance(each, Action) and each.verb == mark for each in passed)
 
 
 def _times(meetings: Appointments, channel: str, mark: str) -> str:
-    count = sum(each.verb == mark for each in meetings.marks[channel])
+    count = sum(isinstance(each, Action) and each.verb == mark for each in meetings.marks[channel])
     return "once" if count == 1 else "twice" if count == 2 else f"{count} times"
 
 

@@ -3,11 +3,15 @@
 A *mark* is a name at which programs wait for each other. It is used by the channels whose programs come to it at least
 once. The n-th time of one channel meets the n-th time of all others that use the mark: each waits from its arrival
 until the last has arrived, then all go on at once. A mark that nobody else uses is passed.
+
+A *thing* is there once, such as a tool. One channel has it from when it fetches it until it returns it; another that
+fetches it waits until then. Of several that wait, the one that has come first gets it, by name if they came at once.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from typing import TypeAlias
 
 from gcodesim.frozen import frozen
 
@@ -26,11 +30,34 @@ class Arrival:
 
 
 @frozen
-class Agenda:
-    """The arrivals of one program in order, and how long it takes in all [s], waits not counted."""
+class Fetching:
+    """A program needs `thing` at `time` [s] of its own, waits not counted, and has it from then on."""
 
-    arrivals: Sequence[Arrival]
+    thing: str
+    time: float
+
+
+@frozen
+class Returning:
+    """A program gives `thing` back at `time` [s] of its own, waits not counted."""
+
+    thing: str
+    time: float
+
+
+Stop: TypeAlias = Arrival | Fetching | Returning
+
+
+@frozen
+class Agenda:
+    """The stops of one program in order, and how long it takes in all [s], waits not counted.
+
+    `holds` are the things that it has at the start.
+    """
+
+    arrivals: Sequence[Stop]
     duration: float
+    holds: frozenset[str] = frozenset()
 
 
 @frozen(kw_only=False)
@@ -47,7 +74,7 @@ class Wait:
 
 @frozen(kw_only=False)
 class Halt:
-    """Channel `channel` stands at its arrival `index`."""
+    """Channel `channel` stands at its stop `index`."""
 
     channel: str
     index: int
@@ -57,7 +84,7 @@ class Halt:
 class Timetable:
     """How the programs of a run go together; everything is ordered by the names of channels.
 
-    `waits` has an entry for each arrival that a channel comes to. `ends` [s] is when each program ends, None where it
+    `waits` has an entry for each stop that a channel comes to. `ends` [s] is when each program ends, None where it
     never does. `circle`: channels of which each waits for the next one, and the last for the first. `ended`: who waits
     where for a channel that has ended. `lone`: the first arrivals at marks that nobody else uses.
     """
@@ -91,37 +118,47 @@ def timetable(agendas: Mapping[str, Agenda]) -> Timetable:
 
 
 class _Desk:
-    """The programs on their way; each stands at its next arrival, or has ended."""
+    """The programs on their way; each stands at its next stop, or has ended."""
 
     def __init__(self, agendas: Mapping[str, Agenda]) -> None:
         self._agendas = agendas
         users: dict[str, dict[str, None]] = {}
         for name, agenda in agendas.items():
             for arrival in agenda.arrivals:
-                users.setdefault(arrival.mark, {})[name] = None
+                if isinstance(arrival, Arrival):
+                    users.setdefault(arrival.mark, {})[name] = None
         self._users = {mark: tuple(names) for mark, names in users.items()}
         self._next = dict.fromkeys(agendas, 0)
         self._late = dict.fromkeys(agendas, 0.0)  # the waits so far
         self._passed: dict[tuple[str, str], int] = {}  # how often a channel has passed a mark
         self._waits: dict[str, list[Wait]] = {name: [] for name in agendas}
-        self._fresh = list(agendas)  # channels that have come to another arrival
+        self._holder = {thing: name for name in reversed(list(agendas)) for thing in agendas[name].holds}
+        self._freed: dict[str, float] = {}  # when things came back
+        self._fresh = list(agendas)  # channels that have come to another stop
 
     def meet(self) -> bool:
-        """Let all channels go on that may; whether there was one."""
+        """Let all channels go on that may; whether there was one.
+
+        Marks and returns first: what fetches a thing does so later than all that can still happen before it.
+        """
         fresh, self._fresh = self._fresh, []
         for name in fresh:
-            arrival = self._at(name)
-            if arrival is not None and not self._missing(name):
-                self._go_on(self._together(name, arrival))
+            stop = self._at(name)
+            if isinstance(stop, Returning):
+                self._return(name, stop)
+            elif isinstance(stop, Arrival) and not self._missing(name):
+                self._go_on(self._together(name, stop))
+        if not self._fresh:
+            self._fetch()
         return bool(self._fresh)
 
-    def _at(self, name: str) -> Arrival | None:
+    def _at(self, name: str) -> Stop | None:
         """Where a channel stands; None when it has ended."""
         arrivals = self._agendas[name].arrivals
         return arrivals[self._next[name]] if self._next[name] < len(arrivals) else None
 
-    def _begin(self, name: str, arrival: Arrival) -> float:
-        return arrival.time + self._late[name]
+    def _begin(self, name: str, stop: Stop) -> float:
+        return stop.time + self._late[name]
 
     def _together(self, name: str, arrival: Arrival) -> tuple[str, ...]:
         """The channels that meet where `name` stands, itself included."""
@@ -131,30 +168,58 @@ class _Desk:
         return tuple(other for other in self._agendas if other == name or other in named)
 
     def _missing(self, name: str) -> list[str]:
-        """The channels for which `name`, which stands at a mark, still waits."""
-        arrival = self._at(name)
-        assert arrival is not None
-        times = self._passed.get((name, arrival.mark), 0)
-        return [
-            other for other in self._together(name, arrival) if other != name and not self._is_at(other, arrival, times)
-        ]
+        """The channels for which `name`, which stands at a mark or before a thing, still waits."""
+        stop = self._at(name)
+        assert stop is not None
+        if not isinstance(stop, Arrival):
+            holder = self._holder.get(stop.thing)
+            return [] if holder is None else [holder]
+        times = self._passed.get((name, stop.mark), 0)
+        return [other for other in self._together(name, stop) if other != name and not self._is_at(other, stop, times)]
 
     def _is_at(self, other: str, arrival: Arrival, times: int) -> bool:
         """Whether `other` stands at the mark, having passed it so many times."""
         now = self._at(other)
-        return now is not None and now.mark == arrival.mark and self._passed.get((other, arrival.mark), 0) == times
+        if not isinstance(now, Arrival):
+            return False
+        return now.mark == arrival.mark and self._passed.get((other, arrival.mark), 0) == times
 
     def _go_on(self, together: Iterable[str]) -> None:
-        standing = [(name, arrival) for name in together if (arrival := self._at(name)) is not None]
+        standing = [(name, stop) for name in together if isinstance(stop := self._at(name), Arrival)]
         end = max(self._begin(name, arrival) for name, arrival in standing)
         for name, arrival in standing:
-            begin = self._begin(name, arrival)
-            self._waits[name].append(Wait(begin, end))
-            self._late[name] += end - begin
-            self._next[name] += 1
             key = (name, arrival.mark)
             self._passed[key] = self._passed.get(key, 0) + 1
-            self._fresh.append(name)
+            self._pass(name, arrival, end)
+
+    def _pass(self, name: str, stop: Stop, end: float) -> None:
+        """Let a channel go on from a stop at `end` [s]."""
+        begin = self._begin(name, stop)
+        self._waits[name].append(Wait(begin, end))
+        self._late[name] += end - begin
+        self._next[name] += 1
+        self._fresh.append(name)
+
+    def _return(self, name: str, stop: Returning) -> None:
+        if self._holder.get(stop.thing) == name:
+            del self._holder[stop.thing]
+            self._freed[stop.thing] = self._begin(name, stop)
+        self._pass(name, stop, self._begin(name, stop))
+
+    def _fetch(self) -> None:
+        """Let the first channel that can have the thing that it needs take it."""
+        ready = [
+            (self._ready(name, stop), self._begin(name, stop), name, stop)
+            for name in self._agendas
+            if isinstance(stop := self._at(name), Fetching) and self._holder.get(stop.thing, name) == name
+        ]
+        if ready:
+            end, _, name, stop = min(ready, key=lambda each: each[:3])
+            self._holder[stop.thing] = name
+            self._pass(name, stop, end)
+
+    def _ready(self, name: str, stop: Fetching) -> float:
+        return max(self._begin(name, stop), self._freed.get(stop.thing, 0.0))
 
     def result(self) -> Timetable:
         ends: dict[str, float | None] = {}
@@ -179,6 +244,8 @@ class _Desk:
         for name, agenda in self._agendas.items():
             seen = set()
             for index, arrival in enumerate(agenda.arrivals):
+                if not isinstance(arrival, Arrival):
+                    continue
                 if arrival.mark not in seen and self._together(name, arrival) == (name,):
                     yield Halt(name, index)
                 seen.add(arrival.mark)

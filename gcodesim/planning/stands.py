@@ -7,18 +7,18 @@ the way in which tools slide out, without one along its own Z; so it leaves agai
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field, fields, replace
-from typing import TYPE_CHECKING, Any
+from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from gcodesim.arithmetic.matrices import inverse_pose, multiplied
-from gcodesim.canon import ToolChange, ToolNumber
 from gcodesim.diagnostics import Diagnostic, Findings, Span
-from gcodesim.diagnostics.span_table import SpanTable, join
 from gcodesim.frames import Array
 from gcodesim.frozen import frozen
-from gcodesim.motion.tool_path import HOME, PathEvent, ToolPath, ToolState
+from gcodesim.motion.tool_path import ToolPath
+from gcodesim.planning.added_rows import AddedRows, AddedStop, Moments
+from gcodesim.planning.handing_over import changes_of_tool
 from gcodesim.planning.reach import why
 
 if TYPE_CHECKING:
@@ -47,15 +47,6 @@ class StandWay:
     out: Array
 
 
-@dataclass(frozen=True, slots=True)
-class _Stop:
-    """A move in joint space to `goal` (j,) with a tool; `changes`: the tool is taken, or set down, where it ends."""
-
-    tool: int
-    goal: Array
-    changes: bool = False
-
-
 @frozen(eq=False)
 class Stands:
     """The stands of the tools by their numbers; `mounted` is the tool on the flange, 0 for none.
@@ -72,7 +63,7 @@ class Stands:
     def after(self, path: ToolPath) -> Stands:
         """What is where after a path."""
         mounted, away = self.mounted, set(self.away)
-        for _, before, now, by_hand in _changes(path, mounted):
+        for _, before, now, by_hand in changes_of_tool(path, mounted):
             if not by_hand:
                 away.discard(before)
             away.add(now)
@@ -87,44 +78,38 @@ class Stands:
         A stand that is out of reach, empty or missing is a finding; the tool is then changed where the arm is.
         """
         ways = _Ways(self, kinematics, home, findings)
-        away, inserted = set(self.away), _Insertion(path)
-        for noted, before, now, by_hand in _changes(path, self.mounted):
+        away, inserted = set(self.away), AddedRows(path)
+        for noted, before, now, by_hand in changes_of_tool(path, self.mounted):
             span = noted.event.span
-            stops = [] if by_hand else [*self._down(before, ways, span), *self._up(now, away, ways, span)]
+            down = [] if by_hand else list(self._down(before, ways, span))
+            stops = [] if by_hand else [*down, *self._up(now, away, ways, span)]
             if not by_hand:
                 away.discard(before)
             away.add(now)
             if stops:
-                inserted.add(noted, stops)
+                done = max(k for k, stop in enumerate(stops) if stop.changes) + 1
+                awaited = len(down) if len(down) < done else done - 1
+                inserted.add(noted, stops, Moments(awaited=awaited, changed=done, returned=len(down)))
         return inserted.path(), inserted.goals
 
-    def _down(self, tool: int, ways: _Ways, span: Span) -> Iterator[_Stop]:
+    def _down(self, tool: int, ways: _Ways, span: Span) -> Iterator[AddedStop]:
         """Put a tool into its stand."""
         way = ways.to(tool, span)
         if way is not None:
-            yield _Stop(tool, way.out)
-            yield _Stop(tool, way.coupled, changes=True)
-            yield _Stop(0, way.back)
+            yield AddedStop(tool=tool, goal=way.out)
+            yield AddedStop(tool=tool, goal=way.coupled, changes=True)
+            yield AddedStop(tool=0, goal=way.back)
 
-    def _up(self, tool: int, away: set[int], ways: _Ways, span: Span) -> Iterator[_Stop]:
+    def _up(self, tool: int, away: set[int], ways: _Ways, span: Span) -> Iterator[AddedStop]:
         """Take a tool out of its stand."""
         way = ways.to(tool, span)
         if way is None:
             return
         if tool in away:
             ways.findings.add(_empty(tool, span))
-        yield _Stop(0, way.back)
-        yield _Stop(0, way.coupled, changes=True)
-        yield _Stop(tool, way.out)
-
-
-def _changes(path: ToolPath, mounted: int) -> Iterator[tuple[PathEvent, int, int, bool]]:
-    """Every change of the tool on the flange: the event, the old and the new tool, and whether it is done by hand."""
-    for noted in path.events:
-        event = noted.event
-        if isinstance(event, ToolChange | ToolNumber) and event.tool != mounted:
-            yield noted, mounted, event.tool, isinstance(event, ToolNumber)
-            mounted = event.tool
+        yield AddedStop(tool=0, goal=way.back)
+        yield AddedStop(tool=0, goal=way.coupled, changes=True)
+        yield AddedStop(tool=tool, goal=way.out)
 
 
 def _empty(tool: int, span: Span) -> Diagnostic:
@@ -192,75 +177,3 @@ class _Ways:
             )
         )
         return None
-
-
-@dataclass(slots=True)
-class _Insertion:
-    """Rows that are put into a path."""
-
-    old: ToolPath
-    goals: dict[int, Array] = field(default_factory=dict)
-    _stops: list[tuple[PathEvent, list[_Stop]]] = field(default_factory=list)
-
-    def add(self, noted: PathEvent, stops: list[_Stop]) -> None:
-        self._stops.append((noted, stops))
-
-    def path(self) -> ToolPath:
-        """The path with all rows; fills `goals`."""
-        if not self._stops:
-            return self.old
-        path = self.old if len(self.old) else _standing(self.old)
-        counts = [len(stops) for _, stops in self._stops]
-        before = np.repeat([noted.row for noted, _ in self._stops], counts)
-        before = np.minimum(before, len(self.old))
-        template = np.minimum(before, len(path) - 1)
-        names = [f.name for f in fields(ToolPath) if f.name not in ("states", "spans", "events")]
-        columns: dict[str, Any] = {}
-        for name in names:
-            column = getattr(path, name)
-            own = column[: len(self.old)]
-            columns[name] = np.insert(own, before, column[template], axis=0)
-        at = before + np.arange(len(before))
-        ahead = before < len(self.old)
-        here = np.where(ahead[:, None], path.start[template], path.end[template])
-        columns["start"][at] = columns["end"][at] = here
-        columns["kind"][at], columns["feed"][at], columns["sweep"][at] = HOME, np.inf, 0.0
-        columns["rotary_feed"][at], columns["stop"][at], columns["active"][at] = False, True, False
-        columns["extrude"][at] = 0.0
-        states = dict.fromkeys(path.states)
-        stops = [stop for _, own in self._stops for stop in own]
-        for row, stop, old in zip(at.tolist(), stops, template.tolist(), strict=True):
-            self.goals[row] = stop.goal
-            state = replace(path.states[int(path.state[old])], tool=stop.tool)
-            states.setdefault(state)
-            columns["state"][row] = list(states).index(state)
-        first = len(path.spans)
-        columns["source"][at] = first + np.repeat(np.arange(len(counts)), counts)
-        spans = [noted.event.span for noted, _ in self._stops]
-        return replace(
-            path,
-            **columns,
-            states=tuple(states),
-            spans=join([SpanTable.of(path.spans), SpanTable.of(spans)]),
-            events=tuple(self._moved()),
-        )
-
-    def _moved(self) -> Iterator[PathEvent]:
-        """The events of the path, in their order: a change happens where the arm takes or sets down the tool."""
-        added = 0
-        waiting = list(self._stops)
-        for noted in self.old.events:
-            if waiting and noted is waiting[0][0]:
-                stops = waiting.pop(0)[1]
-                done = max(k for k, stop in enumerate(stops) if stop.changes) + 1
-                yield replace(noted, row=noted.row + added + done)
-                added += len(stops)
-            else:
-                yield replace(noted, row=noted.row + added)
-
-
-def _standing(path: ToolPath) -> ToolPath:
-    """A path without moves, as one row that does not move."""
-    still = ToolPath.from_points(np.zeros((2, 3)))
-    states = path.states or (ToolState(),)
-    return replace(still, states=states, spans=path.spans or still.spans, events=path.events)

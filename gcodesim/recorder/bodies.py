@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from typing import TYPE_CHECKING, Final
 
 from gcodesim.frames import WORLD, Pose
@@ -68,13 +68,12 @@ def tool_shapes(tool: Tool | None, opening: float = 1.0) -> tuple[DrawnShape, ..
     return tuple(shape for shape in shapes if shape is not None)
 
 
-def tools_in_stands(shop: Shop, mounted: int) -> list[Entity]:
-    """The tools that wait in their stands while the machine has the one with the number `mounted`."""
-    elsewhere = {own.loaded_tool for name, own in shop.cell.channels.items() if name != shop.channel}
+def tools_in_stands(shop: Shop, away: Collection[int]) -> list[Entity]:
+    """The tools that wait in their stands while machines have those with the numbers `away`."""
     found = []
     for number in sorted(shop.cell.magazine.stands):
         tool = shop.tool(number)
-        if tool is None or number == mounted or number in elsewhere:
+        if tool is None or number in away:
             continue
         X_WT = shop.stand(number) @ tool.X_FT
         shapes = (drawn(placed.at(X_WT), tool.color_of(part)) for part, placed in tool.drawn())

@@ -49,6 +49,7 @@ from gcodesim.recorder.reporter import Reporter
 from gcodesim.recorder.result_files import write_files
 from gcodesim.recorder.sensed import image_topics, sensor_message, sensor_topics
 from gcodesim.recorder.texts import Texts
+from gcodesim.recorder.tool_times import ToolTimes
 from gcodesim.recorder.ways import Ways
 from gcodesim.tools.gripper import Gripper
 from gcodesim.units import DEG, MM
@@ -63,6 +64,7 @@ if TYPE_CHECKING:
     from gcodesim.observation.schedule import Station
     from gcodesim.planning import Plan
     from gcodesim.sensors.outputs import Output
+    from gcodesim.tools.tool import Tool
     from gcodesim.world import WorldSteps
 
 Seen = tuple[Sequence["Glimpse"], Sequence[FilmGlimpse]]
@@ -132,6 +134,9 @@ class Recorder:
         self._now_ns = 0
         self._tool = -1
         self._fingers = (-1, 1.0)
+        self._draws_stands = not prefix
+        together = [] if job.alone else [job, *job.others]
+        self._tool_times = [ToolTimes.of(each, self._step_ns) for each in together if each.plan is not None]
 
     def _begin_with(self, writer: LogWriter) -> None:
         self._writer = writer
@@ -352,16 +357,43 @@ class Recorder:
 
     def _changes_of_tool(self, from_ns: int, to_ns: int, window: StepWindow) -> None:
         """Write the tool in the spindle when it has changed."""
+        if self._tool_times:
+            self._known_changes(from_ns, to_ns)
+            return
         for k in np.flatnonzero(np.diff(window.tool, prepend=self._tool) != 0):
             number = int(window.tool[k])
             t_ns = 0 if to_ns < 0 else int(window.ticks[k]) * self._step_ns
-            tool = self._shop.tool(number)
-            self._writer.tool(t_ns, tool_shapes(tool), self._frames.tool, tools_in_stands(self._shop, number))
             span = self._change_span(number, int(window.row[k]))
-            if to_ns >= 0 or span[1]:  # at the start: put there by the first change, or by nobody
-                name = "no tool" if number == 0 else tool.name if tool is not None else f"T{number}"
-                self._writer.event(t_ns, "toolchange", name, file=span[0], line=span[1])
             self._tool = number
+            self._draw_tool(t_ns, self._shop.tool(number))
+            if to_ns >= 0 or span[1]:  # at the start: put there by the first change, or by nobody
+                self._tell_of_tool(t_ns, *span)
+
+    def _known_changes(self, from_ns: int, to_ns: int) -> None:
+        """Of programs that run side by side: a tool that several use is in one place, in a spindle or in its stand."""
+        own, *others = self._tool_times
+        if to_ns < 0:
+            self._tool, _ = own.at(0)
+            self._draw_tool(0, self._shop.tool(self._tool))
+        for t_ns in sorted({t_ns for times in (own, *others) for t_ns in times.changes(from_ns, to_ns)}):
+            number, span = own.at(t_ns)
+            changed, self._tool = number != self._tool, number
+            opening = self._fingers[1] if self._fingers[0] == number else 1.0
+            self._draw_tool(t_ns, self._shop.tool(number), opening)
+            if changed and span is not None:
+                self._tell_of_tool(t_ns, span.file, span.line)
+
+    def _tell_of_tool(self, t_ns: int, file: str, line: int) -> None:
+        tool = self._shop.tool(self._tool)
+        name = "no tool" if self._tool == 0 else tool.name if tool is not None else f"T{self._tool}"
+        self._writer.event(t_ns, "toolchange", name, file=file, line=line)
+
+    def _draw_tool(self, t_ns: int, tool: Tool | None, opening: float = 1.0) -> None:
+        """Draw the tool in the spindle; the first channel also draws those that wait in stands, for all machines."""
+        waiting = []
+        if self._draws_stands:
+            waiting = tools_in_stands(self._shop, {self._tool, *(times.at(t_ns)[0] for times in self._tool_times[1:])})
+        self._writer.tool(t_ns, tool_shapes(tool, opening), self._frames.tool, waiting)
 
     def _moves_of_fingers(self, record: StepRecord, ends: Any, logged: Any) -> None:
         """Draw a gripper anew when its fingers stand elsewhere than in the instant before."""
@@ -374,8 +406,8 @@ class Recorder:
             opening = min(float(record["opening"][k]) / tool.widest, 1.0)
             if (tool.number, opening) != self._fingers:
                 self._fingers = (tool.number, opening)
-                waiting = tools_in_stands(self._shop, tool.number)
-                self._writer.tool(int(ends[k]), tool_shapes(tool, opening), self._frames.tool, waiting)
+                if tool.number == self._tool:
+                    self._draw_tool(int(ends[k]), tool, opening)
 
     def _change_span(self, number: int, row: int) -> tuple[str, int]:
         if number == 0 and self._shop.cell.magazine.stands:  # on its way from one stand to the next

@@ -51,7 +51,8 @@ CODES: tuple[Code, ...] = (
         code="GS305",
         severity=Severity.ERROR,
         title="Link hits a fixture",
-        what="A link of the arm or of the machine, or a fixture that a machine carries, enters a fixture." + _MOVING,
+        what="A link of the arm or of the machine, or a fixture that a machine carries, enters a fixture, or a tool"
+        " that waits in its stand." + _MOVING,
         why="The arm stops with a fault at best; the fixture is torn off, and the arm has to be measured again.",
         remedy="Move the fixture or the work, turn the tool about its axis (`spin`), or choose another `home`, so that"
         " the arm comes another way. The base of the arm is not checked: it stands still beside what stands still.",

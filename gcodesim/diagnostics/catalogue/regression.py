@@ -157,13 +157,15 @@ CODES: tuple[Code, ...] = (
         severity=Severity.ERROR,
         title="Programs wait for each other in a circle",
         what=(
-            "Each of these channels stands at a mark and waits for the next one, which stands at another mark. The "
-            "finding names the line of every one of them."
+            "Each of these channels waits for the next one: at a mark, or for a tool that the other has. The finding "
+            "names the line of every one of them."
         ),
         why="None of them will ever go on. The machines stand still until somebody resets them.",
         remedy=(
             "Let all programs come to their marks in the same order. A channel that is not needed at a mark does not "
-            "have to come to it: a mark is used only by programs that reach it."
+            "have to come to it: a mark is used only by programs that reach it. A tool that another program wants is "
+            "put back (T0 M6) before waiting for that program; where no arm drives to stands, a change takes the new "
+            "tool before it gives the old one back."
         ),
     ),
     Code(
@@ -172,10 +174,12 @@ CODES: tuple[Code, ...] = (
         title="Program waits for one that has ended",
         what=(
             "A channel has come to a mark once more than another one that uses it, and that other program has ended. "
-            "The n-th time of one program meets the n-th time of all others that use the mark."
+            "The n-th time of one program meets the n-th time of all others that use the mark. Or it waits for a tool "
+            "that the other had in its spindle when it ended."
         ),
         why="The program waits for ever, and whatever stands behind it is never done.",
-        remedy="Compare how often the loops of both programs come to the mark; both have to come equally often.",
+        remedy="Compare how often the loops of both programs come to the mark; both have to come equally often. A tool "
+        "that others need is put back (T0 M6) before the end.",
     ),
     Code(
         code="GS622",
@@ -209,11 +213,15 @@ CODES: tuple[Code, ...] = (
         code="GS624",
         severity=Severity.WARNING,
         title="One tool in two spindles",
-        what="Two programs have the same tool of the cell in their spindles at the same time.",
-        why="`tools:` lists what is there, and each tool is there once: the second machine finds an empty pocket.",
+        what=(
+            "Two programs have the same tool of the cell in their spindles at the same time, because it is in one of "
+            "them at the start (`loaded_tool`) or was put in by hand (M61). For an M6 a machine waits instead, until "
+            "the tool is back."
+        ),
+        why="`tools:` lists what is there, and each tool is there once.",
         remedy=(
-            "Give each machine a tool of its own, with a number of its own. If they do share it, let one of them put "
-            "it back (T0 M6) and wait at a mark before the other takes it."
+            "Give each machine a tool of its own, with a number of its own, or let both fetch it with M6 and put it "
+            "back with T0 M6."
         ),
     ),
     Code(

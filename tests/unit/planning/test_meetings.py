@@ -6,7 +6,7 @@ import random
 
 import pytest
 
-from gcodesim.planning.meetings import Agenda, Arrival, Halt, Timetable, Wait, timetable
+from gcodesim.planning.meetings import Agenda, Arrival, Fetching, Halt, Returning, Stop, Timetable, Wait, timetable
 
 
 def together(**programs: list[float | str]) -> Timetable:
@@ -137,3 +137,51 @@ def ticked(
     for name, begin in since.items():
         waits[name].append((begin, None))
     return ends, waits
+
+
+def things(**programs: list[float | str]) -> Timetable:
+    """Programs as lists of seconds, marks, and things that they fetch (`+T1`) and return (`-T1`)."""
+    agendas = {}
+    for name, steps in programs.items():
+        time = 0.0
+        stops: list[Stop] = []
+        for step in steps:
+            if isinstance(step, float):
+                time += step
+            elif step[0] in "+-":
+                stops.append((Fetching if step[0] == "+" else Returning)(thing=step[1:], time=time))
+            else:
+                stops.append(Arrival(mark=step, time=time))
+        agendas[name] = Agenda(arrivals=stops, duration=time)
+    return timetable(agendas)
+
+
+def test_a_thing_is_waited_for_until_it_is_back_and_who_came_first_gets_it() -> None:
+    table = things(
+        a=[4.0, "+T1", 5.0, "-T1"], b=[1.0, "+T1", 7.0, "-T1", 1.0], c=[2.0, "+T1", 3.0, "-T1", 1.0]
+    )
+
+    assert [table.waits[name][0] for name in "abc"] == [Wait(4.0, 11.0), Wait(1.0, 1.0), Wait(2.0, 8.0)]
+    assert table.ends == {"a": 16.0, "b": 9.0, "c": 12.0}
+
+
+def test_who_comes_later_by_a_mark_does_not_get_a_thing_earlier() -> None:
+    """a comes to the thing at 1 s of its own time, but has waited at a mark for 9 s before that."""
+    table = things(a=["m", 1.0, "+T1", 1.0, "-T1"], b=[9.0, "m", 2.0], c=[5.0, "+T1", 8.0, "-T1"])
+
+    assert table.waits["c"][0] == Wait(5.0, 5.0)
+    assert table.waits["a"][1] == Wait(10.0, 13.0)
+
+
+def test_a_thing_and_a_mark_make_a_circle() -> None:
+    table = things(a=["+T1", 3.0, "m", "-T1"], b=[2.0, "+T1", "m"])
+
+    assert table.circle == (Halt("a", 1), Halt("b", 0))
+    assert table.waits["b"] == (Wait(2.0, None),)
+
+
+def test_who_has_ended_with_a_thing_never_gives_it_back() -> None:
+    table = things(a=["+T1", 3.0], b=[2.0, "+T1"])
+
+    assert table.ended == ((Halt("b", 0), "a"),)
+    assert table.ends == {"a": 3.0, "b": None}

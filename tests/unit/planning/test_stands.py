@@ -12,6 +12,7 @@ from gcodesim.canon import ToolChange
 from gcodesim.cell.loader import read_cell
 from gcodesim.diagnostics import SourceText
 from gcodesim.jobs.job import Job
+from gcodesim.jobs.results import Results
 from gcodesim.playback.recording import Recording
 from gcodesim.simulation import check, prepare
 
@@ -107,6 +108,21 @@ def test_what_cannot_be_is_a_finding(cell: str, program: str, found: tuple[str, 
     assert found in _codes(cell, program)
 
 
+@pytest.mark.parametrize(
+    ("way", "hits"),
+    [
+        ("G0 X-350 Y480 Z190\nG0 Y640", "T1 hits T2 in its stand"),
+        ("G0 X-350 Y480 Z330\nG0 Y640", None),
+    ],
+)
+def test_a_tool_in_its_stand_is_in_the_way(way: str, hits: str | None) -> None:
+    """T2 hangs from Z250 down to Z170 in G54, where Y is 610."""
+    found = check(_job(program=f"G21 G90\nT1 M6\nG0 X0 Y0 Z250\n{way}\nM2\n")).findings
+    met = [(finding.message, finding.span.line) for finding in found if "in its stand" in finding.message]
+    assert [line for _, line in met] == ([] if hits is None else [5])
+    assert hits is None or any(hits in message for message, _ in met)
+
+
 def test_only_an_arm_has_stands() -> None:
     cell = "gcodesim: 1\nmachine: gantry_xyz\nmagazine: {stands: {1: {xyz: [0, 0, 0]}}}\n"
     cell += "tools: {1: {type: flat_end_mill, diameter: 8}}\n"
@@ -122,3 +138,56 @@ def test_tools_are_seen_in_their_stands_and_on_the_flange(tmp_path: Path, world:
     shown = [{each.id for each in drawings} for _, drawings in Recording.open(tmp_path / "out").tools()]
     both = {"stand/T1", "stand/T2"}
     assert shown == [both, {"tool", "stand/T2"}, both, {"tool", "stand/T1"}, both]
+
+
+PAIR = """gcodesim: 1
+frames:
+  rack: {in: world, xyz: [800, 500, 200]}
+robots:
+  left: {model: kuka_kr10_r1100_2, home: [0, -90, 90, 0, 90, 0]}
+  right:
+    model: kuka_kr10_r1100_2
+    base: {in: world, xyz: [1600, 0, 0], rpy: [0, 0, 180]}
+    home: [0, -90, 90, 0, 90, 0]
+channels:
+  left: {robot: left, work_offsets: {G54: {in: world, xyz: [550, -250, 250]}}, m_codes: {M200: {wait: m}}}
+  right: {robot: right, work_offsets: {G54: {in: world, xyz: [1050, -250, 250]}}, m_codes: {M200: {wait: m}}}
+magazine:
+  change_time: 1.5 s
+  stands:
+    1: {in: rack, xyz: [-75, 0, 200], rpy: [180, 0, 0], approach: 80, slide: [0, -120, 0]}
+    2: {in: rack, xyz: [75, 0, 200], rpy: [180, 0, 0], approach: 80, slide: [0, -120, 0]}
+tools:
+  1: {type: flat_end_mill, diameter: 8, length: 80}
+  2: {type: flat_end_mill, diameter: 6, length: 80}
+simulation: {world: kinematic}
+"""
+LEFT = "G21 G90\nT1 M6\nG0 X0 Y0 Z200\nG4 P1\nT2 M6\nG0 X0 Y0 Z200\nT0 M6\nG28\nM2\n"
+RIGHT = "G21 G90\nG4 P1\nT1 M6\nG0 X0 Y0 Z200\nT0 M6\nG28\nM2\n"
+
+
+def _pair(folder: Path, left: str, right: str) -> Results:
+    for name, text in {"cell.yaml": PAIR, "left.nc": left, "right.nc": right}.items():
+        (folder / name).write_text(text)
+    others = {"right": folder / "right.nc"}
+    return gcodesim.simulate(folder / "left.nc", folder / "cell.yaml", folder / "out", channels=others)
+
+
+def test_an_arm_waits_for_a_tool_until_the_other_has_set_it_down_and_left(tmp_path: Path) -> None:
+    results = _pair(tmp_path, LEFT, RIGHT)
+
+    (wait,) = results.channels["right"]["waits"]
+    assert (wait["mark"], wait["line"], wait["begin_s"]) == ("T1", 3, 1)
+    assert not results.channels["left"]["waits"]
+    seen = [[each.id for each in drawings] for _, drawings in Recording.open(tmp_path / "out").tools()]
+    assert [len(ids) for ids in seen] == [2] * len(seen)  # two tools in all, each in one place
+    assert ["tool", "tool"] in seen and ["tool", "stand/T2"] in seen and ["stand/T1", "stand/T2"] in seen
+
+
+def test_programs_that_hold_what_the_other_needs_are_told_with_both_lines(tmp_path: Path) -> None:
+    results = _pair(tmp_path, LEFT.replace("G4 P1", "M200"), RIGHT.replace("T0 M6", "M200"))
+
+    (circle,) = [finding for finding in results.findings if finding.code == "GS620"]
+    assert "`left` waits in line 4 of left.nc at `m` for `right`" in circle.message
+    assert "`right` waits in line 3 of right.nc for T1, which `left` has" in circle.message
+    assert circle.related is not None and circle.related.line == 3
