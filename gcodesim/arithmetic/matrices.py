@@ -12,10 +12,10 @@ from typing import Final
 import numpy as np
 
 from gcodesim.arithmetic import Array
-from gcodesim.arithmetic.product_kernels import products
+from gcodesim.arithmetic.product_kernels import applications, products
 
 MANY: Final = 256
-"""Matrices from which on a kernel multiplies them; both ways give the same bits."""
+"""Matrices from which on a kernel does it; both ways give the same bits."""
 
 
 def multiplied(first: Array, *others: Array) -> Array:
@@ -33,13 +33,24 @@ def multiplied(first: Array, *others: Array) -> Array:
 
 def _products(first: Array, other: Array) -> Array:
     out = np.empty((len(first), first.shape[1], other.shape[-1]))
-    right = np.ascontiguousarray(other, dtype=np.float64).reshape(-1, *other.shape[-2:])
-    products(np.ascontiguousarray(first, dtype=np.float64), right, out)
+    products(_ready(first), _ready(other).reshape(-1, *other.shape[-2:]), out)
     return out
+
+
+def _ready(values: Array) -> Array:
+    """The same numbers in the form for kernels."""
+    return np.require(values, np.float64, ["C", "W"])
 
 
 def applied(A: Array, v: Array) -> Array:
     """Matrices (..., i, k) times vectors (..., k)."""
+    if A.ndim == 3 and v.ndim in (1, 2):
+        vectors = np.atleast_2d(v)
+        count = max(len(A), len(vectors))
+        if count > MANY and {len(A), len(vectors)} <= {1, count}:
+            out = np.empty((count, A.shape[1]))
+            applications(_ready(A), _ready(vectors), out)
+            return out
     total: Array = A[..., :, 0] * v[..., 0, None]
     for k in range(1, A.shape[-1]):
         total += A[..., :, k] * v[..., k, None]

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Final
+from functools import lru_cache
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
@@ -10,6 +11,9 @@ from gcodesim.arithmetic.matrices import applied, dot, multiplied
 from gcodesim.frames import Array
 from gcodesim.kinematics.chain import Chain, Inertial
 from gcodesim.kinematics.machine import rows
+
+if TYPE_CHECKING:
+    from gcodesim.kinematics.dynamics_kernels import MovedBodies
 
 GRAVITY: Final = (0.0, 0.0, -9.80665)  # [m/s²] in base axes of an upright robot (CGPM 1901)
 
@@ -41,6 +45,19 @@ def bodies(chain: Chain, payload: Inertial | None = None) -> list[Inertial]:
     return [merge(part) for part in parts]
 
 
+@lru_cache(maxsize=32)
+def moved_bodies(chain: Chain, payload: Inertial | None) -> MovedBodies:
+    """`bodies` in the form for kernels; a run asks for those of the same tool again and again."""
+    from gcodesim.kinematics.dynamics_kernels import MovedBodies
+
+    moved = bodies(chain, payload)
+    return MovedBodies(
+        np.array([b.mass for b in moved], dtype=np.float64),
+        np.array([b.com for b in moved]),
+        np.array([b.inertia for b in moved]),
+    )
+
+
 def inverse_dynamics(
     chain: Chain,
     q: Array,
@@ -60,12 +77,11 @@ def inverse_dynamics(
     Newton–Euler (Luh, Walker, Paul 1980). Friction and the rotors' own inertia
     are left out, and so are links without <inertial>.
     """
-    from gcodesim.kinematics.dynamics_kernels import MovedBodies, efforts_along
+    from gcodesim.kinematics.dynamics_kernels import efforts_along
 
     q, tree = rows(q), chain.tree
     qd, qdd = (rows(np.broadcast_to(v, q.shape)) for v in (qd, qdd))
     w = rows(np.broadcast_to(0.0 if wrench is None else wrench, (len(q), 6)))
-    moved = bodies(chain, payload)
     X_FT = np.eye(4)
     X_FT[:3, 3] = p_FT
     out = np.empty_like(q)
@@ -75,11 +91,7 @@ def inverse_dynamics(
         qdd,
         w,
         np.array(gravity, dtype=np.float64),
-        MovedBodies(
-            np.array([b.mass for b in moved], dtype=np.float64),
-            np.array([b.com for b in moved]),
-            np.array([b.inertia for b in moved]),
-        ),
+        moved_bodies(chain, payload),
         tree,
         np.ascontiguousarray(multiplied(tree.flange_offset, X_FT)),
         out,

@@ -42,7 +42,7 @@ class EffortRoom(NamedTuple):
     I_rate: Array
 
 
-@kernel
+@kernel(lean=True)
 def add_cross(out: Array, a: Array, b: Array) -> None:
     """out += a × b, vectors (3,)."""
     out[0] += a[1] * b[2] - a[2] * b[1]
@@ -50,7 +50,7 @@ def add_cross(out: Array, a: Array, b: Array) -> None:
     out[2] += a[0] * b[1] - a[1] * b[0]
 
 
-@kernel
+@kernel(lean=True)
 def add_carried(out: Array, spin: Array, spin_rate: Array, arm: Array, room: Array) -> None:
     """out += α × r + ω × (ω × r): what a point at `arm` feels on a body that turns."""
     for r in range(3):
@@ -71,7 +71,7 @@ def room_for(count: int) -> EffortRoom:
     )
 
 
-@kernel(inlined=True)
+@kernel(lean=True, inlined=True)
 def move_body(
     i: int, speed: float, acceleration: float, tree: Tree, com: Array, gravity: Array, room: EffortRoom
 ) -> None:
@@ -101,7 +101,7 @@ def move_body(
             spin[i, r] += vector[r]
 
 
-@kernel(inlined=True)
+@kernel(lean=True, inlined=True)
 def balance_body(i: int, mass: float, inertia: Array, room: EffortRoom) -> None:
     """Force and moment that keep body `i` in its motion; `inertia` (3, 3) of that body."""
     frames, c, spin, spin_rate, force, moment = room.frames, room.c, room.spin, room.spin_rate, room.force, room.moment
@@ -125,7 +125,7 @@ def balance_body(i: int, mass: float, inertia: Array, room: EffortRoom) -> None:
     add_cross(moment[i], c[i], force[i])
 
 
-@kernel(inlined=True)
+@kernel(lean=True, inlined=True)
 def load_tip(carrier: int, tip: Array, wrench: Array, X_tip: Array, room: EffortRoom) -> None:
     """Take `wrench` (6,), which acts at the tip, off the force and moment of the body that carries it."""
     frames, force, moment, arm, vector = room.frames, room.force, room.moment, room.arm, room.vector
@@ -138,7 +138,7 @@ def load_tip(carrier: int, tip: Array, wrench: Array, X_tip: Array, room: Effort
     add_cross(moment[carrier], arm, vector)
 
 
-@kernel(inlined=True)
+@kernel(lean=True, inlined=True)
 def gather_efforts(tree: Tree, room: EffortRoom, out: Array) -> None:
     """From the tips inwards: the effort `out` (j,) of each joint, and what it hands on to the one that carries it."""
     parent, prismatic = tree.parent, tree.prismatic
@@ -157,24 +157,12 @@ def gather_efforts(tree: Tree, room: EffortRoom, out: Array) -> None:
             add_cross(moment[p], arm, force[i])
 
 
-@kernel
-def efforts_along(
-    q: Array,
-    qd: Array,
-    qdd: Array,
-    wrench: Array,
-    gravity: Array,
-    bodies: MovedBodies,
-    tree: Tree,
-    tip: Array,
-    out: Array,
-) -> None:
-    """Efforts `out` (n, j) along q, qd, qdd (n, j) under `wrench` (n, 6) at the tip, base axes, acting on the tool.
-
-    `tip` (4, 4) rides on the joint that carries the flange. Luh, Walker, Paul 1980: motion outwards with the
-    base falling up, forces inwards. All vectors in base axes.
-    """
-    room, X_tip = room_for(q.shape[1]), np.empty((4, 4))
+@kernel(lean=True)
+def fill_efforts(
+    q: Array, qd: Array, qdd: Array, wrench: Array, gravity: Array, bodies: MovedBodies, tree: Tree, tip: Array,
+    room: EffortRoom, X_tip: Array, out: Array,
+) -> None:  # fmt: skip
+    """The loop of `efforts_along`, which has made all arrays, so that none is counted at each row."""
     carrier = tree.flange_carrier
     for k in range(q.shape[0]):
         stays = k > 0
@@ -188,3 +176,16 @@ def efforts_along(
         if carrier >= 0:
             load_tip(carrier, tip, wrench[k], X_tip, room)
         gather_efforts(tree, room, out[k])
+
+
+@kernel
+def efforts_along(
+    q: Array, qd: Array, qdd: Array, wrench: Array, gravity: Array, bodies: MovedBodies, tree: Tree, tip: Array,
+    out: Array,
+) -> None:  # fmt: skip
+    """Efforts `out` (n, j) along q, qd, qdd (n, j) under `wrench` (n, 6) at the tip, base axes, acting on the tool.
+
+    `tip` (4, 4) rides on the joint that carries the flange. Luh, Walker, Paul 1980: motion outwards with the
+    base falling up, forces inwards. All vectors in base axes.
+    """
+    fill_efforts(q, qd, qdd, wrench, gravity, bodies, tree, tip, room_for(q.shape[1]), np.empty((4, 4)), out)

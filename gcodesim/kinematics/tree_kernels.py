@@ -8,14 +8,14 @@ from gcodesim.frames import Array
 from gcodesim.kinematics.chain import Indices, Tree
 
 
-@kernel
+@kernel(lean=True)
 def copy_row(source: Array, target: Array) -> None:
     """``target[:] = source`` for vectors (n,); a loop, because slice assignment takes seconds to compile."""
     for i in range(source.shape[0]):
         target[i] = source[i]
 
 
-@kernel
+@kernel(lean=True)
 def joint_frames(q: Array, parent: Indices, before: Array, axis: Array, prismatic: Indices, out: Array) -> None:
     """Poses of the moved joint frames, `out` (j, 4, 4), of one joint vector q (j,)."""
     for i in range(q.shape[0]):
@@ -50,7 +50,7 @@ def joint_frames(q: Array, parent: Indices, before: Array, axis: Array, prismati
         out[i, 3, 3] = 1.0
 
 
-@kernel
+@kernel(lean=True)
 def place(frames: Array, carrier: int, offset: Array, out: Array) -> None:
     """Pose `out` (4, 4) of something that rides on joint `carrier` (−1: base) at `offset` (4, 4)."""
     if carrier < 0:
@@ -67,7 +67,7 @@ def place(frames: Array, carrier: int, offset: Array, out: Array) -> None:
     out[3, 3] = 1.0
 
 
-@kernel
+@kernel(lean=True)
 def fill_jacobian(
     frames: Array, axis: Array, prismatic: Indices, path: Indices, px: float, py: float, pz: float, out: Array
 ) -> None:
@@ -89,7 +89,7 @@ def fill_jacobian(
             out[3, i], out[4, i], out[5, i] = zx, zy, zz
 
 
-@kernel
+@kernel(lean=True)
 def poses_along(q: Array, tree: Tree, carrier: Indices, offset: Array, frames: Array, out: Array) -> None:
     """Poses `out` (n, m, 4, 4) of m riders along a joint path q (n, j); `frames` (j, 4, 4) is room to work in."""
     parent, before, axis, prismatic = tree.parent, tree.before, tree.axis, tree.prismatic
@@ -99,7 +99,7 @@ def poses_along(q: Array, tree: Tree, carrier: Indices, offset: Array, frames: A
             place(frames, carrier[m], offset[m], out[k, m])
 
 
-@kernel
+@kernel(lean=True)
 def jacobians_along(q: Array, tree: Tree, frames: Array, flange: Array, out: Array) -> None:
     """Jacobians `out` (n, 6, j) at the flange along a joint path; `frames` (j, 4, 4), `flange` (4, 4) are room."""
     parent, before, axis, prismatic, path = tree.parent, tree.before, tree.axis, tree.prismatic, tree.path

@@ -21,7 +21,7 @@ from gcodesim.log.byte_strings import ByteStrings
 from gcodesim.log.mesh_kernels import put_points, round_points
 from gcodesim.log.shapes import Array, Color, DrawnLine, DrawnMesh, DrawnShape, Entity, PathPart, Polylines
 from gcodesim.log.template import Template, TemplatePiece, double_slot, nested, stamp_slot
-from gcodesim.log.wire import BYTES, Part, chunk, double, packed_fixed32, stamp, tag, text, unsigned, wrap
+from gcodesim.log.wire import BYTES, Part, chunk, double, doubles, packed_fixed32, stamp, tag, text, unsigned, wrap
 from gcodesim.solids import Box, Cone, Cylinder, Sphere
 
 GRID: Final = 2.0**-20
@@ -68,12 +68,12 @@ def _points(number: int, points: Array) -> memoryview:
 
 @lru_cache(maxsize=256)
 def _color(number: int, color: Color) -> bytes:
-    return chunk(number, b"".join(double(i + 1, value) for i, value in enumerate(color)))
+    return chunk(number, doubles(*color))
 
 
 def _numbers(number: int, values: Iterable[float]) -> bytes:
     """A message of doubles in fields 1, 2, …"""
-    return chunk(number, b"".join(double(i + 1, float(value)) for i, value in enumerate(values)))
+    return chunk(number, doubles(*values))
 
 
 def _pose(p: Sequence[float] | Array, q: Sequence[float] | Array) -> bytes:

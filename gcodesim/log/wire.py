@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Sequence
+from functools import cache
+from itertools import chain
 from typing import Final
 
 import numpy as np
@@ -16,6 +18,7 @@ Part = bytes | memoryview
 
 VARINT, FIXED64, BYTES, FIXED32 = 0, 1, 2, 5
 _F8: Final = struct.Struct("<d")
+_DOUBLE_KEYS: Final = tuple(number << 3 | FIXED64 for number in range(1, 16))
 
 
 _SHORT: Final = [bytes((value,)) for value in range(128)]
@@ -62,6 +65,17 @@ def unsigned(number: int, value: int) -> bytes:
 def double(number: int, value: float) -> bytes:
     """A double field, also when it is 0."""
     return tag(number, FIXED64) + _F8.pack(value)
+
+
+def doubles(*values: float) -> bytes:
+    """Double fields 1, 2, … of up to 15 values."""
+    return _fields_of(len(values)).pack(*chain.from_iterable(zip(_DOUBLE_KEYS, values, strict=False)))
+
+
+@cache
+def _fields_of(count: int) -> struct.Struct:
+    """Keys of a byte and doubles, by turns."""
+    return struct.Struct("<" + "Bd" * count)
 
 
 def stamp(number: int, t_ns: int) -> bytes:

@@ -10,6 +10,7 @@ about their principal axes, because Bullet only keeps those.
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 from typing import TYPE_CHECKING, Final
 from xml.etree import ElementTree as ET
 
@@ -33,8 +34,9 @@ LEAST_INERTIA: Final = 1e-5
 NOTHING: Final = Inertial(mass=0.0, com=np.zeros(3), inertia=np.zeros((3, 3)))
 
 
+@lru_cache(maxsize=64)
 def payload_of(tool: ToolBody | None) -> Inertial | None:
-    """Mass properties of a tool in axes of F; None without one or without mass."""
+    """Mass properties of a tool in axes of F, the same object for the same tool; None without one or without mass."""
     if tool is None or tool.mass <= 0.0:
         return None
     xx, yy, zz, xy, xz, yz = tool.inertia

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from gcodesim.arithmetic.matrices import applied, multiplied
 from gcodesim.frames import Array
+from gcodesim.kinematics.machine import rows
 from gcodesim.world.body import ToolBody
 
 if TYPE_CHECKING:
@@ -31,18 +31,12 @@ def tool_reaction(
     n = len(wrench)
     if tool is None or n == 0:
         return np.zeros((n, 6))
-    R_BF = machine.forward(q)[:, :3, :3]
-    twist = applied(machine.jacobian(q), qd)
-    omega = twist[:, 3:]
-    lever = applied(R_BF, np.array(tool.com))
-    v_com = twist[:, :3] + np.cross(omega, lever)
+    from gcodesim.world.reaction_kernels import Load, reactions
+
     xx, yy, zz, xy, xz, yz = tool.inertia
-    inertia = multiplied(R_BF, np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]), R_BF.transpose(0, 2, 1))
-    momentum = applied(inertia, omega)
-    weighted = tool.mass * (np.diff(v_com, axis=0) / dt - gravity_B)
-    force = weighted - wrench[:, :3]
-    tip = applied(R_BF[1:], tool.X_FT.p)
-    torque = (
-        np.diff(momentum, axis=0) / dt + np.cross(lever[1:], weighted) - np.cross(tip, wrench[:, :3]) - wrench[:, 3:]
-    )
-    return np.hstack([force, torque])
+    inertia = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+    load = Load(float(tool.mass), np.array(tool.com, dtype=float), np.array(tool.X_FT.p, dtype=float), inertia)
+    out = np.empty((n, 6))
+    gravity = np.array(gravity_B, dtype=float)
+    reactions(rows(q), rows(qd), rows(wrench), gravity, float(dt), machine.chain.tree, load, out)
+    return out
