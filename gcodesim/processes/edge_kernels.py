@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.arithmetic.atan_kernels import acos
-from gcodesim.arithmetic.sin_kernels import cos, sin
+from gcodesim.arithmetic.sin_kernels import cos_sin
 from gcodesim.compiled import kernel
 from gcodesim.material.kernels import Field, breadth_along, coarsest, diagonal
 
@@ -75,14 +75,16 @@ def lay_rows(pieces: Array, piece: int, height: float, cell: float, rows: Array)
         for i in range(SLICES):
             a = kappa0 + i * step
             kappa = a + 0.5 * step
-            sine, cosine = sin(kappa), cos(kappa)
+            cosine, sine = cos_sin(kappa)
+            cosine_low, sine_low = cos_sin(a)
+            cosine_high, sine_high = cos_sin(a + step)
             rows[i, RADIUS] = pieces[piece, AT_R] + radius * sine
             rows[i, HEIGHT] = pieces[piece, AT_Z] - radius * cosine
             rows[i, SIN_KAPPA], rows[i, COS_KAPPA] = sine, cosine
             rows[i, EDGE_WIDTH] = radius * step
-            rows[i, LOW] = pieces[piece, AT_Z] - radius * cos(a)
-            rows[i, HIGH] = pieces[piece, AT_Z] - radius * cos(a + step)
-            rows[i, OUTER] = pieces[piece, AT_R] + radius * max(sin(a), sin(a + step))  # undercut: the lower end
+            rows[i, LOW] = pieces[piece, AT_Z] - radius * cosine_low
+            rows[i, HIGH] = pieces[piece, AT_Z] - radius * cosine_high
+            rows[i, OUTER] = pieces[piece, AT_R] + radius * max(sine_low, sine_high)  # undercut: the lower end
             rows[i, MORE_SINES], rows[i, MORE_COSINES], rows[i, LEVER_SINES], rows[i, LEVER_COSINES] = (
                 0.0,
                 0.0,
@@ -90,7 +92,7 @@ def lay_rows(pieces: Array, piece: int, height: float, cell: float, rows: Array)
                 0.0,
             )
         return SLICES
-    sine, cosine = sin(kappa0), cos(kappa0)
+    cosine, sine = cos_sin(kappa0)
     if z1 > height:
         length = (height - z0) / sine
     number = SLICES
