@@ -24,7 +24,6 @@ from gcodesim.executor.track import (
     Track,
     TrackPlan,
     Watcher,
-    attach,
     windows,
 )
 from gcodesim.shop import Shop
@@ -199,7 +198,7 @@ def _move(track: Track, cutter: CutThread, cut: WindowCut, following: WindowCut 
         if not stretch.pushes and world.keeps_to_command:
             moved.extend(track.move(stretch, cut.window))
             continue
-        attach(world, track.shop, int(cut.window.tool[stretch.begin]), list(track.load.values()))
+        track.attach(int(cut.window.tool[stretch.begin]))
         if not world.keeps_to_command:
             follows = False
             moved.append(world.run(q, stretch if stretch.pushes else None))

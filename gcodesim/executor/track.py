@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from copy import copy
 from dataclasses import field, replace
 from itertools import combinations
+from operator import is_
 from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
@@ -37,7 +38,6 @@ from gcodesim.world import RobotBody, WorldSteps, open_world, tool_body
 if TYPE_CHECKING:
     from gcodesim.material.passes import Passes
     from gcodesim.planning import Plan
-    from gcodesim.world import World
 
 
 @frozen
@@ -141,6 +141,7 @@ class Track:
         plan, shop = brought.plan, brought.shop
         self.parts = parts
         self.load: dict[str, tuple[Pose, MassOfSkin]] = {}
+        self._on_flange: tuple[int | None, list[tuple[Pose, MassOfSkin]]] = (None, [])  # tool and load
         if parts is not None:
             parts.devices.follow(shop.channel, plan)
         self.plan, self.shop, self.watcher = plan, shop, brought.watcher
@@ -173,7 +174,7 @@ class Track:
     def begin(self) -> None:
         """Put the first tool on the flange, and show the watcher the state at the start."""
         plan, rows, dt_ns = self.plan, self.rows, self._dt_ns
-        attach(self.world, self.shop, int(rows.tool[0]))
+        self.attach(int(rows.tool[0]))
         self.world.reset(self._home)
         if self.watcher is not None:
             still = window_of(plan, rows, np.array([-1, 0]), dt_ns, first_carry(plan, rows))
@@ -232,24 +233,40 @@ class Track:
 
         return restore
 
+    def attach(self, number: int) -> None:
+        """Put the tool with this number on the flange, with the parts that it holds; the old one goes to its pocket."""
+        load = list(self.load.values())
+        held, by = self._on_flange
+        if number == held and len(load) == len(by) and all(map(is_, load, by)):
+            return  # the usual case, which is asked in every window
+        self._on_flange = (number, load)
+        world, tool, now = self.world, self.shop.tool(number), self.world.tool
+        body = None if tool is None else laden(tool_body(tool), load)
+        if now is not None and body is not None and now.name == body.name and now.mass != body.mass:
+            world.attach(body, None)
+            return
+        if (now.name if now else None) == (body.name if body else None):
+            return
+        world.attach(body, None if now is None else pocket_of(self.shop, now.name))
+
     def move(self, stretch: Stretch, window: StepWindow) -> Iterator[WorldSteps]:
         """Move through steps that need no force; whoever takes a part or lets it go has another load from then on."""
         parts, begin = self.parts, stretch.begin
         changes = [change for stint in stretch.stints if stint.parts is not None for change in stint.parts.changes]
         number = int(window.tool[stretch.begin])
         if parts is None or not changes:
-            attach(self.world, self.shop, number, list(self.load.values()))
+            self.attach(number)
             yield self.run_world(window, begin, stretch.end)
             return
         for change in changes:
             until = change.hold.step - window.first
             if until > begin:
-                attach(self.world, self.shop, number, list(self.load.values()))
+                self.attach(number)
                 yield self.run_world(window, begin, until)
                 begin = until
             parts.happens(change)
             self._reload(change, parts)
-        attach(self.world, self.shop, number, list(self.load.values()))
+        self.attach(number)
         yield self.run_world(window, begin, stretch.end)
 
     def carry_on(self, stretch: Stretch) -> None:
@@ -398,19 +415,6 @@ def _meet(a: Stint, b: Stint) -> bool:
         return True
     (low, high), (least, most) = a.bounds, b.bounds
     return bool((low < most).all() and (high > least).all())
-
-
-def attach(world: World, shop: Shop, number: int, load: Sequence[tuple[Pose, MassOfSkin]] = ()) -> None:
-    """Put the tool with this number on the flange, with the parts that it holds; the old one goes into its pocket."""
-    tool = shop.tool(number)
-    body = None if tool is None else laden(tool_body(tool), load)
-    now = world.tool
-    if now is not None and body is not None and now.name == body.name and now.mass != body.mass:
-        world.attach(body, None)
-        return
-    if (now.name if now else None) == (body.name if body else None):
-        return
-    world.attach(body, None if now is None else pocket_of(shop, now.name))
 
 
 def pocket_of(shop: Shop, name: str) -> Pose:

@@ -403,6 +403,22 @@ def greatest_sine(circle: Circle, most: Array, k: int) -> float:
     return max(last, turned(sine, cosine, -limit)[0]) if later > earlier else max(least, turned(sine, cosine, limit)[0])
 
 
+@kernel(lean=True)
+def foremost_sine(circle: Circle, most: Array) -> float:
+    """The same over all angles of contact, 0 where nothing in front of the tool is in contact.
+
+    It is looked for from the angle straight ahead to both sides, until no angle farther on can have a greater one.
+    """
+    greatest, middle, reach = 0.0, ANGLES // 4, np.pi / ANGLES + 1.0e-9
+    for j in range(middle):
+        if circle.sines[middle + j] + reach <= greatest:
+            break
+        for k in (middle - 1 - j, middle + j):
+            if most[k] > LEAST_SHARE:
+                greatest = max(greatest, greatest_sine(circle, most, k))
+    return greatest
+
+
 @kernel(lean=True, inlined=True)
 def sum_up(
     teeth: Teeth, heading: Heading, chip: float, steepest: float, last: int, room: Room, used: int, result: Array
@@ -429,7 +445,7 @@ def sum_up(
         w = sums[MOST, k]
         if w > LEAST_SHARE:
             entry, leave = min(entry, (k + 1.0 - w) * delta), max(leave, (k + w) * delta)
-            result[CHIP] = max(result[CHIP], chip * (level * greatest_sine(teeth.circle, sums[MOST], k) * steepest))
+    result[CHIP] = chip * (level * foremost_sine(teeth.circle, sums[MOST]) * steepest)
     if climb < 0.0:  # the bottom takes the chip of the fall
         result[CHIP] = max(result[CHIP], -chip * climb * rows[0, COS_KAPPA])
     if result[CONTACT] <= 0.0:

@@ -72,16 +72,15 @@ def move_load(q: Array, qd: Array, tree: Tree, load: Load, room: ReactionRoom) -
     v_com[0] = twist[0] + (twist[4] * lever[2] - twist[5] * lever[1])
     v_com[1] = twist[1] + (twist[5] * lever[0] - twist[3] * lever[2])
     v_com[2] = twist[2] + (twist[3] * lever[1] - twist[4] * lever[0])
+    inertia = load.inertia
     for r in range(3):
         for k in range(3):
-            turned[r, k] = (
-                flange[r, 0] * load.inertia[0, k] + flange[r, 1] * load.inertia[1, k] + flange[r, 2] * load.inertia[2, k]
-            )
+            turned[r, k] = flange[r, 0] * inertia[0, k] + flange[r, 1] * inertia[1, k] + flange[r, 2] * inertia[2, k]
     for r in range(3):
         total = 0.0
         for k in range(3):
-            inertia = turned[r, 0] * flange[k, 0] + turned[r, 1] * flange[k, 1] + turned[r, 2] * flange[k, 2]
-            total = total + inertia * twist[3 + k] if k else inertia * twist[3]
+            moment = turned[r, 0] * flange[k, 0] + turned[r, 1] * flange[k, 1] + turned[r, 2] * flange[k, 2]
+            total = total + moment * twist[3 + k] if k else moment * twist[3]
         momentum[r] = total
 
 
