@@ -8,6 +8,8 @@ from types import FrameType
 
 def main() -> int:
     """Run the command line; returns its status. A Ctrl-C ends it in order also while its modules are being loaded."""
+    # numpy's BLAS keeps a thread for each core that waits for work by spinning; no sum of ours goes there
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     heard = signal.getsignal(signal.SIGINT) is signal.default_int_handler  # in the background it is ignored
     if heard:
         signal.signal(signal.SIGINT, _leave)
