@@ -54,7 +54,7 @@ def _loaded(arguments: argparse.Namespace, program: SourceText) -> LoadedCell:
     return load_cell(arguments.cell, arguments.allow_path, allow_code=arguments.allow_code)
 
 
-def _further(arguments: argparse.Namespace, loaded: LoadedCell) -> dict[str, SourceText]:
+def further_programs(arguments: argparse.Namespace, loaded: LoadedCell) -> dict[str, SourceText]:
     """The programs that the command line names for further channels; UsageError for one that the cell does not have."""
     if loaded.cell is None:
         return {}
@@ -90,7 +90,7 @@ def _prepared(
 
 
 def _options(arguments: argparse.Namespace, loaded: LoadedCell) -> Options:
-    return replace(options_of(arguments), channels=_further(arguments, loaded))
+    return replace(options_of(arguments), channels=further_programs(arguments, loaded))
 
 
 def _met(arguments: argparse.Namespace, path: Path, loaded: LoadedCell, job: Job, results: Results) -> Met:

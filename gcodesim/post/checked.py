@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from gcodesim.cell.cell import MAIN
 from gcodesim.cell.loader import load_cell, read_cell
 from gcodesim.diagnostics import Diagnostic, SourceText
 from gcodesim.files.whole_file import write_whole
@@ -57,8 +58,14 @@ def job_of(
     def with_subprograms(own: Settings) -> Settings:
         return settings(replace(own, subroutines=(*own.subroutines, scratch)))
 
-    job = prepare(program, loaded, Options(settings=with_subprograms))
-    _compare(recording, job)
+    channels = {}
+    for name, channel in recording.results.get("channels", {}).items():
+        text = recording.log.attached(channel["program"]["name"])
+        if name != MAIN and text is not None:
+            channels[name] = SourceText(channel["program"]["name"], text)
+    job = prepare(program, loaded, Options(settings=with_subprograms, channels=channels))
+    for one in job.all:
+        _compare(recording, one, "/motion" if one is job else f"/{one.channel}/motion")
     return job
 
 
@@ -81,13 +88,13 @@ def _cell_of(
     return loaded
 
 
-def _compare(recording: Recording, job: Job) -> None:
+def _compare(recording: Recording, job: Job, topic: str) -> None:
     """The plan against where the log says that each joint was told to be."""
     if job.plan is None or job.shop is None:
         raise OtherInputsError("the program cannot be planned as in the run")
     if job.legs is not None and not job.legs.ended:
         return  # it is refused for what it asks the run
-    motion = recording.series("/motion")
+    motion = recording.series(topic)
     names = [f"joints[{name}].command" for name in job.shop.joint_names]
     if not len(motion.t_ns) or not set(names) <= set(motion.names):
         raise OtherInputsError("the log does not say where the joints were told to be")

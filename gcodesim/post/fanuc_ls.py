@@ -24,7 +24,18 @@ from gcodesim.post.language import (
     plain,
     seen_from,
 )
-from gcodesim.post.moves import ArmPlace, Remark, RobotHalt, RobotMove, RobotProgram, RobotStep, RobotSwitch, RobotWait
+from gcodesim.post.moves import (
+    ArmPlace,
+    Remark,
+    RobotAwait,
+    RobotCall,
+    RobotHalt,
+    RobotMove,
+    RobotProgram,
+    RobotStep,
+    RobotSwitch,
+    RobotWait,
+)
 from gcodesim.post.posture import posture_of
 from gcodesim.units import DEG, MM
 
@@ -34,7 +45,9 @@ FASTEST: Final = 2000.0
 """[mm/s] of a linear move."""
 _LEAST_ZONE: Final = 1e-6  # [m] of a blend that is written
 _WIDEST_COMMENT: Final = 32
-_ACCELERATION: Final = 1.2  # [m/s²] by which a robot is taken to brake, where a zone becomes a CNT
+_ACCELERATION: Final = 1.2
+"""[m/s²] by which the tip is taken to brake where a zone becomes a CNT: an assumption, since the manuals name none. It
+is what `ACCELERATION` is for another maker's arms of this size."""
 _TURN: Final = 180.0 * DEG
 
 
@@ -127,6 +140,10 @@ class _Writer:
             yield from self._move(step)
         elif isinstance(step, RobotWait):
             yield f"  WAIT {number(step.seconds, 2)}(sec)"
+        elif isinstance(step, RobotAwait):
+            yield f"  WAIT DI[{step.signal}]={'ON' if step.on else 'OFF'}"
+        elif isinstance(step, RobotCall):
+            yield f"  CALL {step.name.upper()}({step.argument})"
         elif isinstance(step, RobotHalt):
             yield from _remark(step.text)
             yield "  PAUSE"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import field, replace
 from functools import partial
 from typing import TYPE_CHECKING, Any, Final, Literal
@@ -12,12 +12,14 @@ import numpy as np
 
 from gcodesim.arithmetic.matrices import dot, norm
 from gcodesim.canon.systems import name_of_system
+from gcodesim.cell.cell import MAIN
 from gcodesim.diagnostics import Diagnostic, Span
 from gcodesim.frames import Pose
 from gcodesim.frozen import frozen
 from gcodesim.motion.tool_path import ARC
 from gcodesim.planning.arm_joints import ArmJoints
 from gcodesim.post.blends import CutCorner, Passing, rounded
+from gcodesim.post.meeting import MeetingLines, meetings_of
 from gcodesim.post.moves import ArmPlace, RobotMove, RobotProgram, RobotStep, ToldFrame, ToolFrame
 from gcodesim.post.nodes import PlannedArm
 from gcodesim.post.said import Said
@@ -49,15 +51,21 @@ class Wish:
 
     `motion` by joints or along lines and circles; `tolerance` [m] is how far the way may be off between its points;
     `signals` are outputs of the control by what they are in the program: `P1`, `E0`, `spindle`, `M10` …
+    `tool_change` is the control's own program for that; empty: it stops for the new tool. `meet` has the lines of each
+    channel's control to each other one.
     """
 
     motion: Motion = "linear"
     tolerance: float = 1e-5
     signals: Mapping[str, str] = field(default_factory=dict)
+    tool_change: str = ""
+    meet: Mapping[tuple[str, str], MeetingLines] = field(default_factory=dict)
 
 
-def program_of(job: Job, language: RobotLanguage, wish: Wish) -> tuple[RobotProgram, list[Diagnostic]]:
-    """The planned path of a job's first channel, and what of it cannot be said.
+def program_of(
+    job: Job, language: RobotLanguage, wish: Wish, beside: Sequence[Job] = ()
+) -> tuple[RobotProgram, list[Diagnostic]]:
+    """The planned path of a job's own channel, and what of it cannot be said; `beside` are all jobs that run with it.
 
     NotPostedError where it is not that of an arm, or depends on what a run finds.
     """
@@ -73,10 +81,12 @@ def program_of(job: Job, language: RobotLanguage, wish: Wish) -> tuple[RobotProg
         names = ", ".join(_externals(planned)["external_names"])
         raise NotPostedError(f"programs of {language.kind} do not move external axes, and this one has {names}")
     frames, frame_of_state = _frames(shop, planned)
-    said = Said(language, wish.signals)
-    steps = list(_steps(planned, said, wish, frame_of_state))
+    lines = {other: line for (own, other), line in wish.meet.items() if own == job.channel}
+    meetings = meetings_of(job, [one for one in beside if one.plan is not None], lines)
+    said = Said(language, wish, meetings)
+    steps = [*meetings.at_begin(_NOWHERE), *_steps(planned, said, wish, frame_of_state)]
     program = RobotProgram(
-        name=job.program.name,
+        name=_name(job, language, several=len(beside) > 1),
         source=job.program.name,
         cell=job.loaded.path.name,
         steps=tuple(rounded(steps, planned.begin())),
@@ -87,6 +97,15 @@ def program_of(job: Job, language: RobotLanguage, wish: Wish) -> tuple[RobotProg
         **_externals(planned),
     )
     return program, said.findings
+
+
+def _name(job: Job, language: RobotLanguage, *, several: bool) -> str:
+    """What the program is called; where several run, those beside the first have the name of their channel in it."""
+    own = job.program.name.rpartition(":")[2]
+    if not several or job.channel == MAIN:
+        return own
+    begin = own.rpartition("/")[2].partition(".")[0]
+    return f"{begin[: language.longest_name - len(job.channel) - 1]}_{job.channel}"
 
 
 def _steps(planned: PlannedArm, said: Said, wish: Wish, frame_of_state: list[int]) -> Iterator[RobotStep]:

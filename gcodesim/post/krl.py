@@ -21,7 +21,18 @@ from gcodesim.post.language import (
     plain,
     seen_from,
 )
-from gcodesim.post.moves import ArmPlace, Remark, RobotHalt, RobotMove, RobotProgram, RobotStep, RobotSwitch, RobotWait
+from gcodesim.post.moves import (
+    ArmPlace,
+    Remark,
+    RobotAwait,
+    RobotCall,
+    RobotHalt,
+    RobotMove,
+    RobotProgram,
+    RobotStep,
+    RobotSwitch,
+    RobotWait,
+)
 from gcodesim.post.posture import posture_of
 from gcodesim.units import MM
 
@@ -88,6 +99,10 @@ class _Writer:
             yield from self._move(step, points)
         elif isinstance(step, RobotWait):
             yield f"WAIT SEC {number(step.seconds, 3)}"
+        elif isinstance(step, RobotAwait):
+            yield f"WAIT FOR $IN[{step.signal}]=={'TRUE' if step.on else 'FALSE'}"
+        elif isinstance(step, RobotCall):
+            yield f"{step.name}({step.argument})"
         elif isinstance(step, RobotHalt):
             yield f"HALT ; {plain(step.text)}"
         elif isinstance(step, Remark):

@@ -74,6 +74,22 @@ class RobotSwitch(RobotStep):
 
 
 @frozen(eq=False)
+class RobotAwait(RobotStep):
+    """Stand until a digital input of the control, by its name there, is `on`, or off."""
+
+    signal: str
+    on: bool
+
+
+@frozen(eq=False)
+class RobotCall(RobotStep):
+    """Call a program that the control has, with a number: `name(2)`."""
+
+    name: str
+    argument: int
+
+
+@frozen(eq=False)
 class RobotHalt(RobotStep):
     """Stop until somebody starts the program again; `text` says why."""
 

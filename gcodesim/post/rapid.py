@@ -21,7 +21,18 @@ from gcodesim.post.language import (
     plain,
     seen_from,
 )
-from gcodesim.post.moves import ArmPlace, Remark, RobotHalt, RobotMove, RobotProgram, RobotStep, RobotSwitch, RobotWait
+from gcodesim.post.moves import (
+    ArmPlace,
+    Remark,
+    RobotAwait,
+    RobotCall,
+    RobotHalt,
+    RobotMove,
+    RobotProgram,
+    RobotStep,
+    RobotSwitch,
+    RobotWait,
+)
 from gcodesim.post.posture import posture_of
 from gcodesim.units import MM
 
@@ -101,6 +112,10 @@ class _Writer:
             yield self._move(step, switch if isinstance(switch, RobotSwitch) else None)
         elif isinstance(step, RobotWait):
             yield f"WaitTime \\InPos,{number(step.seconds, 3)};"
+        elif isinstance(step, RobotAwait):
+            yield f"WaitDI {step.signal},{int(step.on)};"
+        elif isinstance(step, RobotCall):
+            yield f"{step.name} {step.argument};"
         elif isinstance(step, RobotHalt):
             yield f"! {plain(step.text)}"
             yield "Stop;"

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Final
 
 from gcodesim import canon
 from gcodesim.diagnostics import Diagnostic, Severity, Span
-from gcodesim.post.moves import Remark, RobotHalt, RobotStep, RobotSwitch, RobotWait
+from gcodesim.jobs.meetings import is_wait
+from gcodesim.post.moves import Remark, RobotCall, RobotHalt, RobotStep, RobotSwitch, RobotWait
 from gcodesim.units import RPM
 
 if TYPE_CHECKING:
+    from gcodesim.post.from_plan import Wish
     from gcodesim.post.language import RobotLanguage
+    from gcodesim.post.meeting import ControlMeetings
 
 _STATES: Final = (
     canon.ToolSelect, canon.ToolOffset, canon.WorkSystem, canon.PathMode, canon.PlannerLimits, canon.PointControl,
@@ -23,10 +26,12 @@ SIGNALS: Final = ("spindle", "reverse", "speed", "flood", "mist")
 
 
 class Said:
-    """Turns events into steps, with `signals` as the user has named them; what cannot be said is in `findings`."""
+    """Turns events into steps, with signals and calls as the user has named them; what cannot be said is in
+    `findings`."""
 
-    def __init__(self, language: RobotLanguage, signals: Mapping[str, str]) -> None:
-        self._language, self._signals = language, signals
+    def __init__(self, language: RobotLanguage, wish: Wish, meetings: ControlMeetings) -> None:
+        self._language, self._signals, self._tool_change = language, wish.signals, wish.tool_change
+        self._meetings = meetings
         self.findings: list[Diagnostic] = []
         self.used: set[str] = set()
         self._unsaid: set[str] = set()
@@ -51,9 +56,7 @@ class Said:
         elif isinstance(event, canon.Action):
             yield from self._action(event)
         elif isinstance(event, (canon.ToolChange, canon.ToolNumber)):
-            if self._has_tool:
-                yield RobotHalt(span=span, text=f"tool T{event.tool}")
-            self._has_tool = True
+            yield from self._change(event)
         elif isinstance(event, canon.Stop):
             yield RobotHalt(span=span, text="stop of the program")
         elif isinstance(event, (canon.Message, canon.Print, canon.Log)):
@@ -63,11 +66,28 @@ class Said:
 
     def _action(self, event: canon.Action) -> Iterator[RobotStep]:
         """An M-code of the cell; where that is an output of the program, by its number."""
+        if is_wait(event) and event.verb in self._meetings.partners and f"M{event.m}" not in self._signals:
+            if missing := self._meetings.unwired(event.verb):
+                self._not_said(
+                    event.span,
+                    f"how this control hears that `{missing[0]}` has come; it stops at such marks",
+                    f"name the lines between them: --meet {self._meetings.channel}/{missing[0]}=OUTPUT:INPUT",
+                )
+            yield from self._meetings.meet(event.span, event.verb)
+            return
         if event.m in _OUTPUTS and event.p is not None:
             value, with_motion = _OUTPUTS[event.m]
             yield from self._switch(event.span, f"P{event.p:g}", True, value, with_motion)
             return
         yield from self._switch(event.span, f"M{event.m}", True, 1.0, False)
+
+    def _change(self, event: canon.ToolChange | canon.ToolNumber) -> Iterator[RobotStep]:
+        """The control's own program for it, or a stop for all but the first tool. M61 only says which is there."""
+        if self._tool_change and isinstance(event, canon.ToolChange):
+            yield RobotCall(span=event.span, name=self._tool_change, argument=event.tool)
+        elif self._has_tool:
+            yield RobotHalt(span=event.span, text=f"tool T{event.tool}")
+        self._has_tool = True
 
     def _spindle(self, event: canon.Spindle) -> Iterator[RobotStep]:
         on = event.direction != "off"

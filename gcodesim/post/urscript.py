@@ -9,13 +9,25 @@ from gcodesim.arithmetic.matrices import multiplied
 from gcodesim.frames import Array, Pose
 from gcodesim.post.angles import half_turn, rotation_vector
 from gcodesim.post.language import RobotLanguage, WrittenFiles, heading, line_of, name_in, number, plain, seen_from
-from gcodesim.post.moves import ArmPlace, Remark, RobotHalt, RobotMove, RobotProgram, RobotStep, RobotSwitch, RobotWait
+from gcodesim.post.moves import (
+    ArmPlace,
+    Remark,
+    RobotAwait,
+    RobotCall,
+    RobotHalt,
+    RobotMove,
+    RobotProgram,
+    RobotStep,
+    RobotSwitch,
+    RobotWait,
+)
 from gcodesim.units import MM
 
 ACCELERATION: Final = 1.2
-"""[m/s²] of the tip: what the control takes where a program does not say."""
+"""[m/s²] of the tip: what the control takes where a program does not say. Universal Robots, "The URScript Programming
+Language", `movel(pose, a=1.2, v=0.25, t=0, r=0)`."""
 JOINT_ACCELERATION: Final = 1.4
-"""[rad/s²] of the joints, likewise."""
+"""[rad/s²] of the joints, likewise: `movej(q, a=1.4, v=1.05, t=0, r=0)`."""
 _LEAST_ZONE: Final = 1e-6  # [m] of a blend that is written
 
 
@@ -68,6 +80,11 @@ def _said(program: RobotProgram, step: RobotStep) -> Iterator[str]:
         yield f"{_move(program, step)}{f'  # {line_of(step)}' if line_of(step) else ''}"
     elif isinstance(step, RobotWait):
         yield f"sleep({number(step.seconds, 3)})"
+    elif isinstance(step, RobotAwait):
+        yield f"while get_standard_digital_in({step.signal}) != {step.on}:"
+        yield from ("  sync()", "end")
+    elif isinstance(step, RobotCall):
+        yield f"{step.name}({step.argument})"
     elif isinstance(step, RobotHalt):
         text = plain(step.text).replace('"', "'")
         yield f'popup("{text}", title="gcodesim", blocking=True)'

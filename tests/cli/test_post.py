@@ -9,6 +9,7 @@ import pytest
 
 from gcodesim.cli import main
 
+ROOT = Path(__file__).parents[2]
 CELL = """gcodesim: 1
 robots: {arm: {model: kuka_kr10_r1100_2, home: [0, -90, 90, 0, 90, 0]}}
 work_offsets: {G54: {in: world, xyz: [600, 0, 300]}}
@@ -43,6 +44,54 @@ def test_a_run_is_posted_like_its_program(folder: Path, capsys: pytest.CaptureFi
     assert main(["post", "part.nc", "--cell", "arm.yaml", "--for", "krl", "-o", "of_program"]) == 0
     for name in ("part.src", "part.dat"):
         assert (folder / "of_run" / name).read_bytes() == (folder / "of_program" / name).read_bytes()
+
+
+TWO = ROOT / "programs/two_arms.nc", ROOT / "cells/two_arms.yaml", f"right={ROOT / 'programs/two_arms.right.nc'}"
+
+
+def test_every_channel_is_posted(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    program, cell, right = map(str, TWO)
+    words = [program, "--cell", cell, "--channel", right]
+    meet = ["--meet", "main/right=5:6", "--meet", "right/main=5:6", "--fail-on", "never"]
+    assert main(["post", *words, "--for", "krl", *meet]) == 0
+    files = sorted(path.name for path in folder.iterdir() if path.suffix in (".src", ".dat"))
+    assert files == ["two_arms.dat", "two_arms.src", "two_arms_right.dat", "two_arms_right.src"]
+    assert "M200" not in capsys.readouterr().out
+    for name in ("two_arms", "two_arms_right"):
+        assert Path(f"{name}.src").read_text().count("WAIT FOR $IN[6]==TRUE") == 2
+
+    assert main(["post", *words, "--for", "krl", "--only", "right", "-o", "one", *meet]) == 0
+    assert Path("one/two_arms_right.src").read_bytes() == Path("two_arms_right.src").read_bytes()
+    assert not Path("one/two_arms.src").exists()
+    assert main(["post", *words, "--for", "krl", "--only", "left"]) == 2
+    assert main(["post", *words, "--for", "krl", "--meet", "main/left=5:6"]) == 2
+    assert main(["post", *words, "--for", "krl", "--meet", "main=5:6"]) == 2
+    assert main(["post", *words, "--for", "krl", "--tool-change", "a b"]) == 2
+
+
+def test_every_channel_of_a_run_is_posted(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Also where programs have waited for each other."""
+    Path("arms.yaml").write_text(CHANNELS)
+    Path("part.nc").write_text("G21 G90\nG0 X0 Y0 Z0\nM200\nG0 X9\nM2\n")
+    Path("b.nc").write_text("G21 G90\nG0 X9 Y9 Z0\nG4 P1\nM200\nG0 X0\nM2\n")
+    words = ["part.nc", "--cell", "arms.yaml", "--channel", "other=b.nc"]
+    assert main(["run", *words, "--out", "out"]) == 0
+    assert main(["post", "out", "--for", "krl", "-o", "of_run"]) == 0
+    assert main(["post", *words, "--for", "krl", "-o", "of_program"]) == 0
+
+    of_run = {path.name: path.read_bytes() for path in Path("of_run").iterdir()}
+    assert of_run == {path.name: path.read_bytes() for path in Path("of_program").iterdir()}
+    assert sorted(of_run) == ["b_other.dat", "b_other.src", "part.dat", "part.src"]
+
+
+CHANNELS = """robots:
+  a: {model: kuka_kr10_r1100_2}
+  b: {model: kuka_kr10_r1100_2, base: {in: world, xyz: [3000, 0, 0]}}
+channels:
+  main: {robot: a, work_offsets: {G54: {in: world, xyz: [600, 0, 500]}}, m_codes: {M200: {wait: both}}}
+  other: {robot: b, work_offsets: {G54: {in: world, xyz: [3600, 0, 500]}}, m_codes: {M200: {wait: both}}}
+simulation: {world: kinematic}
+"""
 
 
 def test_a_cell_that_has_changed_is_refused(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:

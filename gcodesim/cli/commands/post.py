@@ -12,7 +12,7 @@ from gcodesim.cli.exits import FINDINGS, OK, UsageError, status_of
 from gcodesim.cli.language import Language
 from gcodesim.cli.moments import open_recording, reads_logs
 from gcodesim.cli.nearest import no_such
-from gcodesim.cli.options import add_cell, add_fail_on, add_format, add_language, read_source
+from gcodesim.cli.options import add_cell, add_channels, add_fail_on, add_format, add_language, read_source
 from gcodesim.cli.outline import may_be
 from gcodesim.cli.output import print_count, print_findings, print_json
 from gcodesim.cli.overwriting import refuse_foreign
@@ -23,6 +23,7 @@ from gcodesim.post import LANGUAGES
 if TYPE_CHECKING:
     from gcodesim.jobs.job import Job
     from gcodesim.post.from_plan import Wish
+    from gcodesim.post.meeting import MeetingLines
 
 _TOLERANCE: Final = 0.01  # mm
 _HELP: Final = """languages of robots:
@@ -82,6 +83,22 @@ def add_parser(commands: Any) -> None:
         help="the output of the control for P1 (M62 to M65), E0 (M67, M68), spindle, reverse, speed, flood, mist, or an"
         " M-code such as M10; with a fixed value as M11=7:0; may be given several times",
     )
+    parser.add_argument(
+        "--tool-change",
+        default="",
+        metavar="PROGRAM",
+        help="the control's own program that changes tools, called with the number (default: stop for the new tool)",
+    )
+    parser.add_argument(
+        "--meet",
+        action="append",
+        default=[],
+        metavar="CHANNEL/OTHER=OUTPUT:INPUT",
+        help="the lines over which the control of CHANNEL meets that of OTHER where programs wait for each other:"
+        " its output there, and its input from there; may be given several times",
+    )
+    parser.add_argument("--only", metavar="CHANNEL", help="post the program of this channel alone")
+    add_channels(parser)
     add_cell(parser, required=False)
     add_language(parser)
     add_format(parser)
@@ -98,8 +115,16 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.target not in LANGUAGES:
         raise UsageError(no_such("language", arguments.target, (*LANGUAGES, *_dialects())))
     signals = dict(_signal(text) for text in arguments.signal)
-    wish = Wish(motion=arguments.motion, tolerance=arguments.tolerance * MM, signals=signals)
+    wish = Wish(
+        motion=arguments.motion,
+        tolerance=arguments.tolerance * MM,
+        signals=signals,
+        tool_change=_program_name(arguments.tool_change),
+        meet=dict(_lines(text) for text in arguments.meet),
+    )
     if arguments.program.is_dir() or arguments.program.suffix == Path(LOG_NAME).suffix:
+        if arguments.channel:
+            raise UsageError("--channel names a program, and a run has all of its own; --only NAME posts one")
         with tempfile.TemporaryDirectory(prefix="gcodesim-") as scratch:
             return _write(arguments, _job_of_run(arguments, Path(scratch)), wish)
     return _write(arguments, _job_of_program(arguments), wish)
@@ -124,6 +149,10 @@ def _translate(arguments: argparse.Namespace) -> int:
         "--signal": bool(arguments.signal),
         "--motion": arguments.motion != "linear",
         "--tolerance": arguments.tolerance != _TOLERANCE,
+        "--tool-change": bool(arguments.tool_change),
+        "--meet": bool(arguments.meet),
+        "--only": arguments.only is not None,
+        "--channel": bool(arguments.channel),
     }
     for option, wanted in given.items():
         if wanted:
@@ -173,6 +202,7 @@ def _job_of_run(arguments: argparse.Namespace, scratch: Path) -> Job:
 def _job_of_program(arguments: argparse.Namespace) -> Job:
     """A program that is checked now; UsageError where that finds an error."""
     from gcodesim.cell import load_cell
+    from gcodesim.cli.simulate import further_programs
     from gcodesim.jobs.job import Options
     from gcodesim.simulation import check, prepare
 
@@ -182,7 +212,8 @@ def _job_of_program(arguments: argparse.Namespace) -> Job:
     read_source(arguments.cell, "cell")
     language = Language.of(arguments)
     loaded = load_cell(arguments.cell, arguments.allow_path, allow_code=arguments.allow_code)
-    job = prepare(program, loaded, Options(settings=language.over, sources=language.sources))
+    options = Options(settings=language.over, sources=language.sources, channels=further_programs(arguments, loaded))
+    job = prepare(program, loaded, options)
     errors = [finding for finding in check(job).findings if finding.level >= Severity.ERROR]
     if errors:
         print_findings(errors, job.sources)
@@ -197,14 +228,27 @@ def _write(arguments: argparse.Namespace, job: Job, wish: Wish) -> int:
     language = LANGUAGES[arguments.target]()
     files: dict[str, str] = {}
     findings: list[Diagnostic] = []
-    try:
-        program, unsaid = program_of(job, language, wish)
-        written = language.write(program)
-        files, findings = dict(written.files), [*unsaid, *written.findings]
-    except NotPostedError as reason:
-        findings.append(Diagnostic(code="GS801", span=Span(job.program.name), message=f"not posted: {reason}"))
+    for one in _chosen(arguments, job, wish):
+        try:
+            program, unsaid = program_of(one, language, wish, job.all)
+            written = language.write(program)
+            if twice := sorted(files.keys() & written.files.keys()):
+                raise NotPostedError(f"another channel has {twice[0]} already; post this one by --only {one.channel}")
+            files |= written.files
+            findings += [*unsaid, *written.findings]
+        except NotPostedError as reason:
+            findings.append(Diagnostic(code="GS801", span=Span(one.program.name), message=f"not posted: {reason}"))
     shown = job.shown(sorted(findings, key=lambda finding: finding.order))
     return _finish(arguments, job.program.name, files, shown, job.sources)
+
+
+def _chosen(arguments: argparse.Namespace, job: Job, wish: Wish) -> tuple[Job, ...]:
+    """The channels that are posted."""
+    known = [one.channel for one in job.all]
+    for name in (*([] if arguments.only is None else [arguments.only]), *(name for pair in wish.meet for name in pair)):
+        if name not in known:
+            raise UsageError(no_such("channel", name, known))
+    return tuple(one for one in job.all if arguments.only in (None, one.channel))
 
 
 def _finish(
@@ -251,6 +295,23 @@ def _signal(text: str) -> tuple[str, str]:
         except ValueError:
             raise UsageError(f"--signal {text}: {value} is no number") from None
     return name, output
+
+
+def _lines(text: str) -> tuple[tuple[str, str], MeetingLines]:
+    from gcodesim.post.meeting import MeetingLines
+
+    channels, equals, lines = text.partition("=")
+    own, slash, other = channels.partition("/")
+    output, colon, read = lines.partition(":")
+    if not (equals and slash and colon and own and other and output and read):
+        raise UsageError(f"--meet {text}: CHANNEL/OTHER=OUTPUT:INPUT is expected, such as main/right=5:6")
+    return (own, other), MeetingLines(output=output, input=read)
+
+
+def _program_name(text: str) -> str:
+    if text and not (text.isascii() and text.isidentifier()):
+        raise UsageError(f"--tool-change {text}: the name of a program is expected, such as TOOLCHANGE")
+    return text
 
 
 def _length(text: str) -> float:

@@ -29,7 +29,7 @@ class Target:
 
 @dataclass
 class Read:
-    """One instruction: `joint`, `linear`, `circular`, `wait`, `set`, `halt`."""
+    """One instruction: `joint`, `linear`, `circular`, `wait`, `set`, `await`, `call`, `halt`."""
 
     kind: str
     to: Target | None = None
@@ -127,6 +127,10 @@ def _krl(files: Mapping[str, str], name: str, points: dict, state: dict) -> Iter
             state["zone"] = float(m[1]) / 1000
         elif m := re.fullmatch(r"WAIT SEC (.*)", code):
             yield Read("wait", value=float(m[1]))
+        elif m := re.fullmatch(r"WAIT FOR \$IN\[(\w+)\]==(TRUE|FALSE)", code):
+            yield Read("await", signal=m[1], value=float(m[2] == "TRUE"))
+        elif m := re.fullmatch(r"CHANGE\((\d+)\)", code):
+            yield Read("call", value=float(m[1]))
         elif code == "HALT":
             yield Read("halt")
         elif m := re.fullmatch(r"(?:TRIGGER WHEN DISTANCE=0 DELAY=0 DO )?\$(?:OUT|ANOUT)\[(\w+)\]=(.*)", code):
@@ -219,6 +223,10 @@ def _rapid(bodies: dict, name: str, tools: dict, works: dict) -> Iterator[Read]:
                 yield Read("set", signal=said[4], value=float(said[5]))
         elif word in ("SetDO", "SetAO"):
             yield Read("set", signal=said[0], value=float(said[1]))
+        elif word == "WaitDI":
+            yield Read("await", signal=said[0], value=float(said[1]))
+        elif word == "CHANGE":
+            yield Read("call", value=float(rest))
         elif word == "WaitTime":
             yield Read("wait", value=float(said[-1]))
         elif word == "Stop":
@@ -241,10 +249,18 @@ def read_urscript(files: Mapping[str, str], name: str) -> list[Read]:
     frames: dict[str, np.ndarray] = {}
     X_FT = X_NONE
     pose = r"p\[([^\]]*)\]"
-    inside = False
+    inside = waits = False
     for line in text.splitlines():
         code = line.partition("#")[0].strip()
-        if code in (f"def {name}():", "end"):
+        if m := re.fullmatch(r"while get_standard_digital_in\((\w+)\) != (True|False):", code):
+            found.append(Read("await", signal=m[1], value=float(m[2] == "True")))
+            waits = True
+        elif waits:
+            assert code in ("sync()", "end")
+            waits = code != "end"
+        elif m := re.fullmatch(r"CHANGE\((\d+)\)", code):
+            found.append(Read("call", value=float(m[1])))
+        elif code in (f"def {name}():", "end"):
             inside = code != "end"
         elif not code:
             continue
@@ -346,6 +362,10 @@ def _fanuc(files: Mapping[str, str], name: str, state: dict) -> Iterator[Read]:
             yield Read("set", signal=m[1], value=float({"ON": 1, "OFF": 0}.get(m[2], m[2])))
         elif m := re.fullmatch(r"WAIT (.*)\(sec\)", code):
             yield Read("wait", value=float(m[1]))
+        elif m := re.fullmatch(r"WAIT DI\[(\w+)\]=(ON|OFF)", code):
+            yield Read("await", signal=m[1], value=float(m[2] == "ON"))
+        elif m := re.fullmatch(r"CALL CHANGE\((\d+)\)", code):
+            yield Read("call", value=float(m[1]))
         elif code == "PAUSE":
             yield Read("halt")
         elif m := re.fullmatch(r"CALL (\w+)", code):

@@ -13,10 +13,11 @@ import pytest
 
 from gcodesim.cell.loader import read_cell
 from gcodesim.diagnostics import SourceText
-from gcodesim.jobs.job import Job
+from gcodesim.jobs.job import Job, Options
 from gcodesim.post import LANGUAGES
 from gcodesim.post.from_plan import NotPostedError, Wish, program_of
 from gcodesim.post.language import WrittenFiles
+from gcodesim.post.meeting import MeetingLines
 from gcodesim.simulation import prepare
 
 from .readers import READERS, Read, Target
@@ -178,6 +179,64 @@ def test_codes_of_the_cell_that_are_outputs_keep_their_numbers() -> None:
 
 GRIPPER = """  2: {type: suction_gripper, length: 80, cups: [{at: [0, 0], diameter: 30}], vacuum: 60 kPa}
 m_codes: {M64 P3: {gripper: close}, M65 P3: {gripper: open}}"""
+
+
+@pytest.mark.parametrize("kind", ARMS)
+def test_tools_are_changed_by_the_control_s_own_program(kind: str) -> None:
+    reads = read(kind, written(job(kind), kind, tool_change="CHANGE").files)
+
+    assert [one.value for one in reads if one.kind == "call"] == [1, 2]
+    assert not any(one.kind == "halt" for one in reads)
+
+
+@pytest.mark.parametrize("kind", ARMS)
+def test_controls_meet_over_their_lines(kind: str) -> None:
+    """Two arms, each with its own program, come to the same mark twice."""
+    jobs = meeting_jobs(kind)
+    there, back = MeetingLines(output="5", input="6"), MeetingLines(output="7", input="8")
+    lines = {("main", "other"): there, ("other", "main"): back}
+    language = LANGUAGES[kind]()
+    said = []
+    for one in jobs:
+        program, findings = program_of(one, language, Wish(meet=lines), jobs)
+        assert not findings
+        files = language.write(program).files
+        reads = read(kind, files, "part" if one is jobs[0] else "b_other")
+        said.append([(r.kind, r.signal, r.value) for r in reads if r.kind in ("await", "set")])
+
+    leads = [("await", "6", 0), ("set", "5", 1), ("await", "6", 1), ("set", "5", 0)]
+    follows = [("await", "8", 1), ("set", "7", 1), ("await", "8", 0), ("set", "7", 0)]
+    assert said == [[("set", "5", 0), *leads, *leads], [("set", "7", 0), *follows, *follows]]
+
+
+@pytest.mark.parametrize("kind", ARMS)
+def test_without_lines_a_control_stops_for_the_others(kind: str) -> None:
+    jobs = meeting_jobs(kind)
+    language = LANGUAGES[kind]()
+
+    program, findings = program_of(jobs[1], language, Wish(), jobs)
+
+    assert [(one.code, one.span.line) for one in findings] == [("GS802", 3)]
+    assert "--meet other/main=" in str(findings[0].hint)
+    assert [one.kind for one in read(kind, language.write(program).files, "b_other")].count("halt") == 2
+
+
+def meeting_jobs(kind: str) -> tuple[Job, ...]:
+    text = (
+        f"robots: {{a: {{model: {ARMS[kind]}, home: {HOMES[kind]}}}, "
+        f"b: {{model: {ARMS[kind]}, home: {HOMES[kind]}, base: {{in: world, xyz: [3000, 0, 0]}}}}}}\n"
+        "channels:\n"
+        "  main: {robot: a, work_offsets: {G54: {in: world, xyz: [520, -35, 562]}}, m_codes: {M200: {wait: both}}}\n"
+        "  other: {robot: b, work_offsets: {G54: {in: world, xyz: [3520, -35, 562]}}, m_codes: {M200: {wait: both}}}\n"
+    )
+    other = SourceText("b.nc", b"G21 G90\nG0 X5 Y0 Z0\nM200\nG0 X9\nM200\nM2\n")
+    job = prepare(
+        SourceText("part.nc", b"G21 G90\nG0 X0 Y0 Z0\nM200\nG1 X5 F500\nM200\nM2\n"),
+        read_cell(SourceText("arms.yaml", text.encode()), Path("arms.yaml")),
+        Options(channels={"other": other}),
+    )
+    assert not job.findings or all(one.level.word != "error" for one in job.findings), list(job.findings)
+    return job.all
 
 
 def test_what_has_no_output_is_told_once() -> None:
