@@ -8,6 +8,7 @@ from typing import Any, Final, Literal
 
 from gcodesim.actions import ACTIONS
 from gcodesim.canon.systems import system_name
+from gcodesim.cell.firmware import Firmware
 from gcodesim.cell.inputs import INPUTS, InputKind, InputSource
 from gcodesim.cell.placing import SYSTEM_NAMES, Place
 from gcodesim.cell.signals import SIGNALS, SignalSource
@@ -370,6 +371,12 @@ class Channel:
         "none in G0, and with M4 it follows the speed too",
         default=None,
         example="1000",
+        quiet=True,
+    )
+    firmware: Firmware | None = key(
+        Record(Firmware, "limits of a printer's planner"),
+        "what the control of a printer is set to, until the program says otherwise; default: as it is delivered",
+        default=None,
         quiet=True,
     )
     inputs: Mapping[str, InputSource] = key(

@@ -108,6 +108,7 @@ def settings_of_cell(
         columns=columns,
         leans=leans,
         length_leans=bool(leans) and _leans_along(cell, channel),
+        limits={} if own.firmware is None else own.firmware.limits,
         lane="grammar" if columns or leans else "auto",
         options={
             "decimal_point": own.decimal_point,

@@ -2,30 +2,27 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import ClassVar, Final
 
 from gcodesim.importers.axes import ImportedAxis
-from gcodesim.importers.importer import FoundSettings, Imported, Importer, NoSettingsError, heading
+from gcodesim.importers.importer import FoundSettings, Imported, Importer, NoSettingsError, heading, written
 from gcodesim.importers.ini_file import read_klipper_config
-from gcodesim.importers.printer import printer_lines
+from gcodesim.importers.printer import four, printer_lines
 
 _CARTESIAN: Final = ("cartesian", "corexy", "corexz", "hybrid_corexy", "hybrid_corexz", "none")
 _ROUND: Final = ("delta", "rotary_delta", "polar", "deltesian", "winch")
 _MOST_NOZZLES: Final = 16
+_OF_FILAMENT: Final = 1e6  # mm/s² that limit nothing
 
 _REASONS: Final = (
     ("[gcode_macro", "a macro: a program that calls it has to say what it does", True),
     ("[delayed_gcode", "a macro", True),
     ("[homing_override", "homing", False),
     ("[include", "the file is not there", True),
-    (
-        "[printer]SQUARE_CORNER_VELOCITY",
-        "corners are passed at the usual 5 mm/s: SET_VELOCITY_LIMIT in the program",
-        True,
-    ),
-    ("[printer]MAX_ACCEL_TO_DECEL", "as the control has it by itself: SET_VELOCITY_LIMIT in the program", True),
-    ("[printer]MINIMUM_CRUISE_RATIO", "as the control has it by itself: SET_VELOCITY_LIMIT in the program", True),
+    ("[printer]MAX_ACCEL_TO_DECEL", "short zigzags are not slowed down: they take longer on the printer", True),
+    ("[printer]MINIMUM_CRUISE_RATIO", "short zigzags are not slowed down: they take longer on the printer", True),
     ("[extruder]PRESSURE_ADVANCE", "filament is not squeezed: SET_PRESSURE_ADVANCE is not simulated", True),
     ("[extruder]MAX_EXTRUDE", "the extruder has the limits that Klipper has by itself", True),
     ("[input_shaper", "vibrations are not simulated", False),
@@ -60,7 +57,8 @@ class Klipper(Importer):
             filament = settings.number(f"{section}filament_diameter")
             if nozzle:
                 nozzles[number] = (nozzle, filament)
-        lines = [*heading(path, "the configuration of Klipper"), *printer_lines("klipper", axes, nozzles)]
+        printer = printer_lines("klipper", axes, nozzles, _limits(settings, axes))
+        lines = [*heading(path, "the configuration of Klipper"), *printer]
         taken, left = settings.finished(_REASONS)
         return Imported(what="configuration of Klipper", lines=tuple(lines), taken=taken, left=left)
 
@@ -82,6 +80,19 @@ def _axes(settings: FoundSettings, kinematics: str) -> dict[str, ImportedAxis]:
             acceleration=min(change, z_change) if letter == "Z" else change,
         )
     return axes
+
+
+def _limits(settings: FoundSettings, axes: Mapping[str, ImportedAxis]) -> dict[str, str]:
+    """Filament is as fast as the head beside it; moves that extrude and others have one acceleration."""
+    speeds, changes = [axes[c].speed for c in "XYZ"], [axes[c].acceleration or 0.0 for c in "XYZ"]
+    corner = settings.number("[printer]square_corner_velocity")
+    all_moves = f"{written(max(changes))} mm/s^2"
+    return {
+        "speed": four([*speeds, max(speeds)], "mm/s"),
+        "acceleration": four([*changes, _OF_FILAMENT], "mm/s^2"),
+        **dict.fromkeys(("printing", "travel", "retracting"), all_moves),
+        **({} if not corner else {"corner_speed": f"{written(corner)} mm/s"}),
+    }
 
 
 def _travel(settings: FoundSettings, letter: str, kinematics: str) -> tuple[float, float]:

@@ -17,8 +17,9 @@ from gcodesim.importers.importer import (
     heading,
     number_in,
     read_text,
+    written,
 )
-from gcodesim.importers.printer import printer_lines
+from gcodesim.importers.printer import four, printer_lines
 
 _DEFINE: Final = re.compile(r"\s*#define\s+([A-Za-z_]\w*)(?:\s+(.*))?$")
 _ROUND: Final = ("DELTA", "SCARA", "MORGAN_SCARA", "MP_SCARA", "TPARA", "POLAR", "POLARGRAPH", "AXEL_TPARA")
@@ -27,14 +28,12 @@ _SUM: Final = re.compile(r"\s*([-+*/()]|[0-9.]+)")
 _DEEPEST: Final = 20  # names that stand for each other
 
 _REASONS: Final = (
-    ("DEFAULT_EJERK", "corners are passed with the jerk that Marlin has by itself: M205 in the program", True),
-    ("DEFAULT_XJERK", "corners are passed with the jerk that Marlin has by itself: M205 in the program", True),
-    ("DEFAULT_YJERK", "corners are passed with the jerk that Marlin has by itself: M205 in the program", True),
-    ("DEFAULT_ZJERK", "corners are passed with the jerk that Marlin has by itself: M205 in the program", True),
-    ("JUNCTION_DEVIATION", "corners are passed with classic jerk: M205 in the program", True),
-    ("DEFAULT_ACCELERATION", "M204 in the program says it", True),
-    ("DEFAULT_RETRACT_ACCELERATION", "M204 in the program says it", True),
-    ("DEFAULT_TRAVEL_ACCELERATION", "M204 in the program says it", True),
+    ("DEFAULT_EJERK", "corners go by junction deviation, not by jerk", False),
+    ("DEFAULT_XJERK", "corners go by junction deviation, not by jerk", False),
+    ("DEFAULT_YJERK", "corners go by junction deviation, not by jerk", False),
+    ("DEFAULT_ZJERK", "corners go by junction deviation, not by jerk", False),
+    ("JUNCTION_DEVIATION", "corners go by classic jerk", False),
+    ("S_CURVE_ACCELERATION", "speeds change with a steady acceleration", True),
     ("LIN_ADVANCE", "filament is not squeezed", True),
     ("TEMP", "heat is not simulated", False),
     ("HEATER", "heat is not simulated", False),
@@ -64,9 +63,35 @@ class Marlin(Importer):
         filament = _number(settings, "DEFAULT_NOMINAL_FILAMENT_DIA", values)
         nozzle = _number(settings, "NOZZLE_SIZE", values) or 0.4
         nozzles = dict.fromkeys(range(max(1, min(count, 16))), (nozzle, filament))
-        lines = [*heading(path, "the configuration of Marlin"), *printer_lines("marlin", axes, nozzles)]
+        printer = printer_lines("marlin", axes, nozzles, _limits(settings, speeds, changes, values))
+        lines = [*heading(path, "the configuration of Marlin"), *printer]
         taken, left = settings.finished(_REASONS)
         return Imported(what="Configuration.h of Marlin", lines=tuple(lines), taken=taken, left=left)
+
+
+def _limits(
+    settings: FoundSettings, speeds: list[float], changes: list[float], values: Mapping[str, str]
+) -> dict[str, str]:
+    """Corners go by junction deviation, unless there is none or `CLASSIC_JERK` is defined."""
+
+    def one(key: str, name: str, unit: str) -> dict[str, str]:
+        value = _number(settings, name, values)
+        return {key: f"{written(value)} {unit}"} if value else {}
+
+    found = {
+        **({"speed": four(speeds[:4], "mm/s")} if len(speeds) >= 4 else {}),
+        **({"acceleration": four(changes[:4], "mm/s^2")} if len(changes) >= 4 else {}),
+        **one("printing", "DEFAULT_ACCELERATION", "mm/s^2"),
+        **one("travel", "DEFAULT_TRAVEL_ACCELERATION", "mm/s^2"),
+        **one("retracting", "DEFAULT_RETRACT_ACCELERATION", "mm/s^2"),
+    }
+    classic = settings.last("CLASSIC_JERK") is not None
+    deviation = {} if classic else one("junction_deviation", "JUNCTION_DEVIATION_MM", "mm")
+    if deviation:
+        return found | deviation
+    jerks = [_number(settings, f"DEFAULT_{letter}JERK", values) for letter in "XYZE"]
+    known = [value for value in jerks if value is not None]
+    return found | ({"jerk": four(known, "mm/s")} if len(known) == 4 else {})
 
 
 def _settings(path: Path) -> list[FoundSetting]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from math import sqrt
 
 from gcodesim.importers.axes import ImportedAxis, machine_lines
@@ -20,9 +20,14 @@ def printer_lines(
     dialect: str,
     axes: Mapping[str, ImportedAxis],
     nozzles: Mapping[int, tuple[float, float | None]],
+    firmware: Mapping[str, str],
 ) -> Iterator[str]:
-    """Axes, an empty bed under their whole travel, and `nozzles`: diameter and that of the filament [mm] by number."""
+    """Axes, an empty bed under their whole travel, and `nozzles`: diameter and that of the filament [mm] by number;
+    `firmware` has the limits of the planner by their keys in a cell."""
     yield f"dialect: {dialect}"
+    if firmware:
+        yield "firmware:"
+        yield from (f"  {name}: {value}" for name, value in firmware.items())
     yield from machine_lines(axes)
     yield "work_offsets: {G54: {xyz: [0, 0, 0]}}"
     x, y, z = (axes[letter] for letter in "XYZ")
@@ -38,3 +43,8 @@ def printer_lines(
         sizes = f"bead_width: {written(_WIDER * nozzle)}, bead_height: {written(_FLATTER * nozzle)}"
         thick = written(filament or _FILAMENT)
         yield f"  {number}: {{type: extruder, {sizes}, filament_diameter: {thick}, length: 40}}"
+
+
+def four(values: Sequence[float], unit: str) -> str:
+    """Values of X, Y, Z and the filament as a list of a cell."""
+    return f"[{', '.join(written(value) for value in values)} {unit}]"

@@ -6,7 +6,7 @@ import re
 from collections.abc import Mapping
 from dataclasses import field
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 from gcodesim.canon import Axes
 from gcodesim.frozen import frozen
@@ -43,6 +43,7 @@ class Settings:
     `start` [m, rad] is where the axes stand before the first block.
     `options` are settings that one kind of control alone has, as its dialect declares them
     (`Dialect.options`); those of other dialects are passed over.
+    `limits` are those of a printer's planner that differ from the dialect's, by the names of `canon.MotionLimits`.
     `tool_point` says how tip and axes belong together; None where no rotary axis of the machine has a place.
     `tip_first`: where M-codes switch the control of the tip, it is on before the first block.
     `columns` says for u, v and w that move an external axis which of a, b, c of the events (0 to 2) holds their value
@@ -77,6 +78,7 @@ class Settings:
     auto_aside: Mapping[int, tuple[float, float]] = field(default_factory=dict)
     path_control: str = "G64"
     options: Mapping[str, str] = field(default_factory=dict)
+    limits: Mapping[str, Any] = field(default_factory=dict)
     tool_point: ToolPointLaw | None = None
     tip_first: bool = False
     columns: Mapping[str, int] = field(default_factory=dict)

@@ -90,8 +90,8 @@ CODES: tuple[Code, ...] = (
         what="The program does not say how fast its printer may speed up and pass corners. Values were taken from the "
         "slicer's settings in its comments, or from the defaults of the firmware.",
         why="The printing time depends on them, above all with many short moves.",
-        remedy="Let the slicer write the limits (M201, M203, M204, M205, or SET_VELOCITY_LIMIT), or write them at the "
-        "top of the program.",
+        remedy="Let the slicer write the limits (M201, M203, M204, M205, or SET_VELOCITY_LIMIT), write them at the "
+        "top of the program, or say in the cell what the printer is set to (`firmware`).",
     ),
     Code(
         code="GS211",

@@ -46,7 +46,7 @@ class PrinterExecutor(Executor):
         super().__init__(run)
         self.settings = self.control.settings = replace(run.settings, loaded_tool=0)
         self.watches = Watches((FallingFilament,))
-        limits, self.source_of_limits = first_limits(self.dialect.name, run.source)
+        limits, self.source_of_limits = first_limits(self.dialect.name, run.source, run.settings.limits)
         self.printer = Printer(limits=limits)
         if (retraction := first_retraction(run.source)) is not None:
             length, feed = retraction
@@ -57,7 +57,7 @@ class PrinterExecutor(Executor):
         tools = self.control.tools
         self._first_number = 1 if tools and 0 not in tools else 0
         self.lanes = PrinterLanes(self)  # type: ignore[assignment]
-        self._limited = False
+        self._limited = bool(run.settings.limits)
         self._mounted = -1
 
     def _parts(self, source: SourceText) -> tuple[ProgramFile, Control, FlowControl]:
@@ -212,7 +212,7 @@ class PrinterExecutor(Executor):
                     span=Span(self.file.name),
                     message=f"limits of the planner are {self.source_of_limits}: {limits.printing * 1e3:g} mm/s² "
                     "while printing",
-                    hint="M201, M203, M204 and M205 in the program say what the printer has",
+                    hint="M201, M203, M204 and M205 in the program say what the printer has, or `firmware` in the cell",
                 )
             )
         control.span = Span(self.file.name)  # lines behind the end are no fault here

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from typing import Final
+from collections.abc import Mapping
+from typing import Any, Final
 
 from gcodesim.canon.printing import Four, MotionLimits
 from gcodesim.diagnostics import SourceText
@@ -64,13 +65,16 @@ CURA_LIMITS: Final = MotionLimits(
 _OF_DIALECT: Final = {"marlin": MARLIN_LIMITS, "klipper": KLIPPER_LIMITS, "reprapfirmware": REPRAP_LIMITS}
 
 
-def first_limits(dialect: str, source: SourceText) -> tuple[MotionLimits, str]:
+def first_limits(dialect: str, source: SourceText, said: Mapping[str, Any]) -> tuple[MotionLimits, str]:
     """The limits in force before the first line, and where they come from.
 
-    The settings that a slicer of the PrusaSlicer family writes as comments say what it takes the printer for. Cura
+    What is `said` of the printer itself, by the names of `MotionLimits`, is in place of its firmware's defaults. Else
+    the settings that a slicer of the PrusaSlicer family writes as comments say what it takes the printer for. Cura
     writes none; its own defaults are taken where its name stands in the program. Else those of the firmware.
     """
     limits = _OF_DIALECT.get(dialect, MARLIN_LIMITS)
+    if said:
+        return limits._replace(**said), "those of the printer"
     ends = source.raw if len(source.raw) <= 2 * _TAIL else source.raw[:_TAIL] + b"\n" + source.raw[-_TAIL:]
     found = {name.decode(): float(value) for name, value in _SETTING.findall(ends)}
     if found:

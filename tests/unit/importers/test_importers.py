@@ -104,7 +104,8 @@ kinematics: {kinematics}
 max_velocity: 300  # mm/s
 max_accel: 4000
 max_z_velocity: 15
-square_corner_velocity: 6.0
+square_corner_velocity: 8.0
+minimum_cruise_ratio: 0.5
 [stepper_x]
 position_max: 235
 [stepper_y]
@@ -127,6 +128,8 @@ MARLIN = """#define EXTRUDERS 2
 #define Z_MAX_POS 250
 #define DEFAULT_MAX_FEEDRATE          { 300, 280, 5, 25 }
 #define DEFAULT_MAX_ACCELERATION      { 3000, 2500, 100, 10000 }
+#define DEFAULT_ACCELERATION 1250
+#define DEFAULT_TRAVEL_ACCELERATION 2000
 //#define CLASSIC_JERK
 #define TEMP_SENSOR_0 1
 """
@@ -282,9 +285,46 @@ def test_a_configuration_of_klipper(tmp_path: Path, kinematics: str) -> None:
     upper = [0.235, 0.24, 0.25] if kinematics == "corexy" else [0.1, 0.1, 0.2]
     assert joints.upper.tolist() == pytest.approx(upper)
     assert "bead_width: 0.72" in found.text and "filament_diameter: 2.85" in found.text
-    assert left(found)["[printer]square_corner_velocity"] == (7, True)
-    assert left(found)["[gcode_macro START_PRINT]"] == (15, True)
+    assert limits_of(job) == {
+        "speed": (0.3, 0.3, 0.015, 0.3), "acceleration": (4.0, 4.0, 4.0, 1000.0), "corner": 0.008, "deviation": 0.0,
+        "jerk": (0.0, 0.0, 0.0, 1000.0), "printing": 4.0, "travel": 4.0, "retracting": 4.0, "buffer": 1000,
+    }  # fmt: skip
+    assert left(found)["[printer]minimum_cruise_ratio"] == (8, True)
+    assert left(found)["[gcode_macro START_PRINT]"] == (16, True)
     assert ("[printer]kinematics" in left(found)) == (kinematics == "delta")
+
+
+CORNERS = """{classic}#define CLASSIC_JERK
+#define DEFAULT_XJERK 12.0
+#define DEFAULT_YJERK 11.0
+#define DEFAULT_ZJERK 0.3
+#define DEFAULT_EJERK 5.0
+#define JUNCTION_DEVIATION_MM 0.02
+"""
+
+
+@pytest.mark.parametrize("classic", ["", "//"])
+def test_corners_of_marlin(tmp_path: Path, classic: str) -> None:
+    """By classic jerk where that is defined, else by junction deviation."""
+    text = MARLIN.replace("//#define CLASSIC_JERK\n", CORNERS.format(classic=classic))
+    (tmp_path / "Configuration.h").write_text(text)
+    found = imported("marlin", tmp_path / "Configuration.h")
+    limits = limits_of(run(found, tmp_path, PRINT))
+
+    assert limits["deviation"] == (2e-5 if classic else 0.0)
+    if not classic:
+        assert limits["jerk"] == pytest.approx((0.012, 0.011, 0.0003, 0.005))
+    assert ("DEFAULT_XJERK" in left(found)) == bool(classic)
+    assert ("JUNCTION_DEVIATION_MM" in left(found)) != bool(classic)
+
+
+def limits_of(job: Job) -> dict[str, object]:
+    """Of the planner before the first line; the program gives none, and nothing is assumed."""
+    assert job.plan is not None
+    assert not any(finding.code == "GS210" for finding in job.findings)
+    limits = job.plan.path.states[0].limits
+    assert limits is not None
+    return limits._asdict()
 
 
 def test_a_configuration_of_marlin(tmp_path: Path) -> None:
@@ -298,6 +338,9 @@ def test_a_configuration_of_marlin(tmp_path: Path) -> None:
     assert joints.lower.tolist() == pytest.approx([0.0, -0.005, 0.0])
     assert joints.speed.tolist() == pytest.approx([0.3, 0.28, 0.005])
     assert sorted(job.cell.tools) == [0, 1]
+    limits = limits_of(job)
+    assert (limits["printing"], limits["travel"], limits["retracting"]) == (1.25, 2.0, 3.0)
+    assert limits["speed"] == pytest.approx((0.3, 0.28, 0.005, 0.025))
     assert list(left(found)) == ["TEMP_SENSOR_0"]
 
 
