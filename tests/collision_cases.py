@@ -165,7 +165,7 @@ def answer(case: Case, robots: Case) -> dict[str, Any]:
         first = min(found, key=lambda meeting: meeting.share)
         deepest = min(meeting.gap for meeting in found)
         answered: dict[str, Any] = {"collides": True, "first": first.share}
-        if all(len(body.convexes) == 1 for body in among_still.bodies):
+        if all(len(body.convexes.first) == 1 for body in among_still.bodies):
             answered["depth"] = -deepest / MM
         return answered
     answered = {"collides": False}

@@ -1,4 +1,4 @@
-"""Distinct values of an array."""
+"""Distinct values of an array, and distinct rows."""
 
 from __future__ import annotations
 
@@ -19,3 +19,17 @@ def distinct(values: NDArray[Number]) -> NDArray[Number]:
     new = np.ones(len(ascending), dtype=np.bool_)
     np.not_equal(ascending[1:], ascending[:-1], out=new[1:])
     return ascending[new]
+
+
+def row_numbers(rows: NDArray[Number]) -> NDArray[np.int64]:
+    """A number (n,) for each row of (n, 3) without NaN, ascending with the rows from 0; equal rows have the same.
+
+    `numpy.unique` with an axis gives the same, and takes several times as long.
+    """
+    order = np.lexsort((rows[:, 2], rows[:, 1], rows[:, 0]))
+    ascending = rows[order]
+    new = np.zeros(len(rows), dtype=np.int64)
+    new[1:] = (ascending[1:] != ascending[:-1]).any(axis=1)
+    numbers = np.empty(len(rows), dtype=np.int64)
+    numbers[order] = np.cumsum(new)
+    return numbers

@@ -7,8 +7,9 @@ an error that is the chord's.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
+from functools import cached_property
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -20,7 +21,7 @@ from gcodesim.diagnostics.events import runs
 from gcodesim.frames import Array
 from gcodesim.frozen import frozen
 from gcodesim.scene import Role
-from gcodesim.solids import Hull, Placed, hulls_of, outline_of
+from gcodesim.solids import Hull, Placed, facet_hull, facets_of, hulls_of, outline_of
 from gcodesim.tools.parts import body_part
 from gcodesim.units import MM
 
@@ -32,17 +33,31 @@ TOUCH: Final = 1e-6
 _BUNCH: Final = 64  # neighbouring pieces that are compared with a hull as one
 
 
-@frozen(eq=False)
+@frozen(slots=False, eq=False)
 class Obstacle:
-    """Something that must not be touched, as convex bodies."""
+    """Something that must not be touched, as convex bodies: hulls, and then triangles of `facets` (t, 3, 3) [m]."""
 
     name: str
     hulls: tuple[Hull, ...]
+    facets: Array
 
     @staticmethod
-    def of(name: str, solids: Iterable[Placed]) -> Obstacle:
+    def of(name: str, solids: Sequence[Placed]) -> Obstacle:
         """Solids in the frame in which the tool moves."""
-        return Obstacle(name=name, hulls=tuple(hull for placed in solids for hull in hulls_of(placed)))
+        facets = np.concatenate([np.zeros((0, 3, 3)), *map(facets_of, solids)])
+        return Obstacle(name=name, hulls=tuple(hull for placed in solids for hull in hulls_of(placed)), facets=facets)
+
+    @cached_property
+    def boxes(self) -> tuple[Array, Array]:
+        """Upright boxes around the convex bodies, least and greatest corners (k, 3)."""
+        low = np.array([hull.corners.min(axis=0) for hull in self.hulls]).reshape(-1, 3)
+        high = np.array([hull.corners.max(axis=0) for hull in self.hulls]).reshape(-1, 3)
+        return np.concatenate([low, self.facets.min(axis=1)]), np.concatenate([high, self.facets.max(axis=1)])
+
+    def hull(self, number: int) -> Hull | None:
+        """One of the convex bodies; None for a triangle whose corners lie on a line."""
+        one = number - len(self.hulls)
+        return self.hulls[number] if one < 0 else facet_hull(self.facets[one])
 
 
 @frozen(eq=False)
@@ -134,8 +149,7 @@ def _enter(
     from gcodesim.checks.collision_kernels import touches
 
     low, high = _boxes(outline, start, end, axis)
-    hull_low = np.array([hull.corners.min(axis=0) for hull in fixture.hulls]).reshape(-1, 3)
-    hull_high = np.array([hull.corners.max(axis=0) for hull in fixture.hulls]).reshape(-1, 3)
+    hull_low, hull_high = fixture.boxes
     if not len(hull_low):
         return
     whole: NDArray[np.bool_] = np.all(low < hull_high.max(axis=0), axis=1)
@@ -146,10 +160,11 @@ def _enter(
     # bunches of pieces first, then the pieces of those bunches that come near a hull
     begin = np.arange(0, len(near), _BUNCH)
     bunch_low, bunch_high = np.minimum.reduceat(low[near], begin), np.maximum.reduceat(high[near], begin)
-    for hull, hull_from, hull_to in zip(fixture.hulls, hull_low, hull_high, strict=True):
-        bunches = begin[np.all(bunch_low < hull_to, axis=1) & np.all(bunch_high > hull_from, axis=1)]
-        if not len(bunches):
+    for number in _crossed(hull_low, hull_high, bunch_low, bunch_high).tolist():
+        hull, hull_from, hull_to = fixture.hull(number), hull_low[number], hull_high[number]
+        if hull is None:
             continue
+        bunches = begin[np.all(bunch_low < hull_to, axis=1) & np.all(bunch_high > hull_from, axis=1)]
         places = (bunches[:, None] + np.arange(_BUNCH)).ravel()
         some = near[places[places < len(near)]]
         piece = some[np.all(low[some] < hull_to, axis=1) & np.all(high[some] > hull_from, axis=1)].astype(np.int64)
@@ -160,6 +175,19 @@ def _enter(
         inside = deep > 0.0
         depth[piece] = np.maximum(depth[piece], deep)
         share[piece[inside]] = np.minimum(share[piece[inside]], at[inside])
+
+
+def _crossed(low: Array, high: Array, bunch_low: Array, bunch_high: Array) -> NDArray[np.intp]:
+    """Numbers of the boxes `low` to `high` (k, 3) that cross one of the bunches; there may be millions of boxes."""
+    near = np.flatnonzero(np.all(low < bunch_high.max(axis=0), axis=1) & np.all(high > bunch_low.min(axis=0), axis=1))
+    crossed = np.zeros(len(near), dtype=np.bool_)
+    for bunch_from, bunch_to in zip(bunch_low, bunch_high, strict=True):
+        rest = np.flatnonzero(~crossed)
+        if not len(rest):
+            break
+        some = near[rest]
+        crossed[rest] = np.all(low[some] < bunch_to, axis=1) & np.all(high[some] > bunch_from, axis=1)
+    return near[crossed]
 
 
 def _boxes(outline: Array, start: Array, end: Array, axis: Array) -> tuple[Array, Array]:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from gcodesim.arithmetic.matrices import inverse_pose, multiplied, norm
+from gcodesim.arithmetic.matrices import inverse_pose, multiplied, norm, norms
 from gcodesim.checks.meetings import MovingBodies
 from gcodesim.checks.pairs import keep_apart, pairs_by_kind, role_of_part
 from gcodesim.checks.rigid import RigidBody
@@ -87,7 +87,8 @@ class MachineBodies:
         reach = np.where(tree.prismatic == 1, 1.0, 0.0)
         bodies = [*self.bodies, *(part for tool in tools for part in self.of_tool(tool))]
         for body in bodies:
-            far = max(norm(at) + size for at, size in (convex.ball for convex in body.rigid.convexes))
+            centre, size = body.rigid.balls
+            far = float((norms(centre) + size).max())
             joint = body.carrier
             while joint >= 0:
                 shifts = bool(tree.prismatic[joint])

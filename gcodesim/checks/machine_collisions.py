@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from gcodesim.arithmetic.matrices import applied, multiplied
 from gcodesim.checks.clearance import place_in_system
 from gcodesim.checks.machine_bodies import CarriedBody, MachineBodies, may_meet_by_motion
-from gcodesim.checks.rigid import Convex
+from gcodesim.checks.rigid import RigidBody, bounds_of
 from gcodesim.diagnostics import Diagnostic
 from gcodesim.frames import Array, Pose
 from gcodesim.kinematics.chain import Tree
@@ -160,11 +160,21 @@ class _Check:
 
     def _maybe(self, bodies: Sequence[CarriedBody], pairs: Pairs, least: float = 0.0) -> Pairs:
         """Those pairs whose bounds may meet somewhere in the travel of the plan."""
-        boxes = [swept_bounds(body, self.machine.tree, *self._travel) for body in bodies]
+        boxes = [self._swept(body) for body in bodies]
         room = max(self.checks.clearance or 0.0, least)
         names = [body.rigid.name for body in bodies]
         asked = [pair for pair in pairs if frozenset(names[k] for k in pair) not in self.checks.apart]
         return [(i, j) for i, j in asked if _cross(boxes[i], boxes[j], room)]
+
+    def _swept(self, body: CarriedBody) -> Bounds | None:
+        """See `swept_bounds`; asked for once for each body, which may have millions of triangles."""
+        if body.rigid not in self._boxes:
+            self._boxes[body.rigid] = swept_bounds(body, self.machine.tree, *self._travel)
+        return self._boxes[body.rigid]
+
+    @cached_property
+    def _boxes(self) -> dict[RigidBody, Bounds | None]:
+        return {}
 
     def _of_bodies(
         self, bodies: Sequence[CarriedBody], pairs: Pairs, run: tuple[int, int] | None
@@ -330,10 +340,7 @@ def swept_bounds(body: CarriedBody, tree: Tree, least: Array, most: Array) -> Bo
         chain.append(joint)
         X = Pose.from_matrix(tree.before[joint]) @ X
         joint = int(tree.parent[joint])
-    low, high = np.full(3, np.inf), np.full(3, -np.inf)
-    for convex in body.rigid.convexes:
-        below, above = _bounds(convex, X)
-        low, high = np.minimum(low, below), np.maximum(high, above)
+    low, high = bounds_of(body.rigid.convexes, X)
     R = np.eye(3)
     for joint in reversed(chain):
         R = multiplied(R, tree.before[joint, :3, :3])
@@ -341,17 +348,6 @@ def swept_bounds(body: CarriedBody, tree: Tree, least: Array, most: Array) -> Bo
         ends = np.array([way * least[joint], way * most[joint]])
         low, high = low + ends.min(axis=0), high + ends.max(axis=0)
     return low, high
-
-
-def _bounds(convex: Convex, X: Pose) -> Bounds:
-    if convex.origin is None or convex.axis is None:
-        points = X.apply(convex.points)
-        return points.min(axis=0) - convex.grown, points.max(axis=0) + convex.grown
-    axis = X.rotate(convex.axis)
-    across = np.sqrt(np.maximum(1.0 - axis * axis, 0.0))
-    middle = X.apply(convex.origin) + convex.points[:, 1:2] * axis
-    spread = convex.points[:, :1] * across
-    return (middle - spread).min(axis=0), (middle + spread).max(axis=0)
 
 
 def _cross(one: Bounds | None, other: Bounds | None, room: float) -> bool:

@@ -36,6 +36,7 @@ from gcodesim.kinematics.tree_kernels import joint_frames
 HALVINGS = 12  # of a stretch behind the first contact: a touch of a 4000th of it is looked at
 LEVELS = 64
 SHARE = 2e-4  # of itself by which a least gap may be too large, besides the tolerance
+WINDOW = 1e-3  # [m] by which two bodies are above a level when their gap is not worked out
 AGAIN = 2  # samples on a stretch that begins in contact
 
 
@@ -170,7 +171,7 @@ def range_of(p: int, couple: Couple, swing: Array) -> float:
 def least_gap(
     p: int,
     pair: Ints,
-    place: tuple[int, float],
+    place: tuple[int, float, float],
     couple: Couple,
     chain: JointTree,
     way: WayColumns,
@@ -179,14 +180,20 @@ def least_gap(
     walk: Walk,
     rooms: tuple[WayRoom, GapRoom],
 ) -> float:
-    """The signed gap [m] of two bodies at a share of a stretch; inf when the balls around them are apart."""
+    """The signed gap [m] of two bodies at a share of a stretch; inf when the balls around them are far apart.
+
+    `place` ends with a level: far is more than `WINDOW` above it.
+    """
     room, gaps = rooms
-    place_at(p, place[0], place[1], couple, chain, way, room)
+    k, t, level = place
+    place_at(p, k, t, couple, chain, way, room)
     nodes = walk.nodes
     nodes[0, 0], nodes[0, 1] = pair[0], pair[1]
     top, least = 0, math.inf
+    window = WINDOW + max(level, 0.0)
     while True:
-        top = next_leaves(top, 1e-3, forest, nodes, room.Xa, room.Xb)
+        # no two bodies are nearer than the balls around them, so parts farther apart than the least gap do not count
+        top = next_leaves(top, min(window, least), forest, nodes, room.Xa, room.Xb)
         if top < 0:
             return least
         a, b = forest.convex[nodes[top, 0]], forest.convex[nodes[top, 1]]
@@ -225,7 +232,7 @@ def first_on(
         if top < 0:
             return first, one, other, deep
         a, b = forest.convex[nodes[top, 0]], forest.convex[nodes[top, 1]]
-        share, gap = descend(p, a, b, (k, t, level), couple, chain, way, bodies, rooms)
+        share, gap = descend(p, a, b, (k, t, level, first), couple, chain, way, bodies, rooms)
         if share < first:
             first, one, other, deep = share, a, b, gap
         top -= 1
@@ -262,7 +269,7 @@ def follow(
             here = t + (1.0 - t) * (i - HALVINGS) / SAMPLES
         else:
             here = t + (1.0 - t) * i / AGAIN
-        gap = least_gap(p, pair, (k, here), couple, chain, way, forest, bodies, walk, rooms)
+        gap = least_gap(p, pair, (k, here, level), couple, chain, way, forest, bodies, walk, rooms)
         if pending:
             after = here
             pending = False
@@ -280,8 +287,8 @@ def follow(
         if high - low < 1e-9:
             break
         left, right = high - GOLDEN * (high - low), low + GOLDEN * (high - low)
-        at_left = least_gap(p, pair, (k, left), couple, chain, way, forest, bodies, walk, rooms)
-        at_right = least_gap(p, pair, (k, right), couple, chain, way, forest, bodies, walk, rooms)
+        at_left = least_gap(p, pair, (k, left, level), couple, chain, way, forest, bodies, walk, rooms)
+        at_right = least_gap(p, pair, (k, right, level), couple, chain, way, forest, bodies, walk, rooms)
         if at_left < best:
             best, at = at_left, left
         if at_right < best:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from gcodesim.arithmetic.matrices import inverse_pose, multiplied, norms
 from gcodesim.checks.gap_kernels import Convexes, GapRoom
 from gcodesim.checks.meeting_kernels import Forest, Walk
-from gcodesim.checks.rigid import RigidBody, Woods, is_within
+from gcodesim.checks.rigid import RigidBody, Woods
 from gcodesim.checks.way_kernels import Couple, JointTree, WayColumns, WayRoom, way_room
 from gcodesim.frames import Array
 from gcodesim.frozen import frozen
@@ -204,10 +204,10 @@ class MovingBodies:
 
     def _inside_at_start(self, way: JointWay) -> list[Meeting]:
         """Pairs of which one body is inside a closed mesh of the other at the start, without touching its surface."""
-        skinned = [p for p, pair in enumerate(self.pairs) if any(self.bodies[body].skins for body in pair)]
+        dented = [p for p, pair in enumerate(self.pairs) if any(self.bodies[body].dents for body in pair)]
         found = []
-        frames = self._frames(way.q[0]) if skinned else {}
-        for p in skinned:
+        frames = self._frames(way.q[0]) if dented else {}
+        for p in dented:
             first, second = self.pairs[p].tolist()
             if self._is_inside(first, second, frames) or self._is_inside(second, first, frames):
                 gap = -float(min(self._woods.far[first], self._woods.far[second]))
@@ -219,11 +219,11 @@ class MovingBodies:
     def _is_inside(self, inner: int, outer: int, frames: dict[int, Array]) -> bool:
         """Whether a point of one body is inside a mesh of the other."""
         one, other = self.bodies[inner], self.bodies[outer]
-        if not other.skins:
+        if not other.dents:
             return False
         X = multiplied(inverse_pose(frames[int(self._carrier[outer])][None])[0], frames[int(self._carrier[inner])])
         points = multiplied(one.insides, X[:3, :3].T) + X[:3, 3]
-        return any(bool(is_within(points, skin).any()) for skin in other.skins)
+        return any(mesh.holds_one_of(points) for mesh in other.dents)
 
     def _frames(self, q: Array) -> dict[int, Array]:
         """Poses (4, 4) of all joints and of the base, -1."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Sequence
 from functools import cached_property
 from itertools import product
 from typing import Final
@@ -11,12 +11,12 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from gcodesim.arithmetic.distinct import distinct
+from gcodesim.arithmetic.distinct import distinct, row_numbers
 from gcodesim.arithmetic.elementary import atan2
 from gcodesim.arithmetic.matrices import dots, norms
 from gcodesim.checks.gap_kernels import Convexes
 from gcodesim.checks.meeting_kernels import Forest
-from gcodesim.frames import Array
+from gcodesim.frames import Array, Pose
 from gcodesim.frozen import frozen
 from gcodesim.solids import Box, Hulls, Mesh, Placed, Sphere, Triangles, outline_of
 
@@ -24,57 +24,87 @@ _CONVEX: Final = 1e-9  # of its size a mesh may be dented and still be convex
 _MOST_PRODUCTS: Final = 20_000_000  # of faces and points, to find out whether a mesh is convex
 
 
-@frozen(kw_only=False, eq=False)
-class Convex:
-    """One convex body: corners (k, 3), or circles (k, 2) of radius and height about the Z of a frame; see `Convexes`.
-
-    `origin` and `axis` (3,) are those of the circles, None for corners. All of it is grown by `grown` [m].
-    """
-
-    points: Array
-    origin: Array | None = None
-    axis: Array | None = None
-    grown: float = 0.0
-
-    @property
-    def ball(self) -> tuple[Array, float]:
-        """Centre (3,) and radius of a ball around it."""
-        if self.origin is None or self.axis is None:
-            centre = 0.5 * (self.points.min(axis=0) + self.points.max(axis=0))
-            return centre, float(norms(self.points - centre).max()) + self.grown
-        radius, height = self.points.T
-        middle = 0.5 * float(height.min() + height.max())
-        size = float(np.sqrt(radius * radius + np.square(height - middle)).max())
-        return self.origin + middle * self.axis, size + self.grown
-
-
-def convexes_of(placed: Placed) -> Iterator[Convex]:
+def convexes_of(placed: Placed) -> Convexes:
     """A solid as convex bodies, exactly: round ones are round, a dented mesh becomes its triangles."""
     solid, X = placed.solid, placed.X
     match solid:
         case Box(lower=lower, upper=upper):
-            yield Convex(X.apply(np.array(list(product(*zip(lower, upper, strict=True))))))
-            return
+            return _hull(X.apply(np.array(list(product(*zip(lower, upper, strict=True))))))
         case Sphere(radius=radius):
-            yield Convex(X.p[None].copy(), grown=radius)
-            return
+            return _hull(X.p[None].copy(), grown=radius)
         case Hulls(hulls=hulls):
-            for hull in hulls:
-                yield Convex(X.apply(hull.corners))
-            return
+            return _joined([_hull(X.apply(hull.corners)) for hull in hulls])
         case Mesh():
             points = X.apply(solid.triangles.points)
             if is_convex(solid.triangles):
-                yield Convex(points[distinct(solid.triangles.faces)])
-            else:
-                for corners in points[solid.triangles.faces]:
-                    yield Convex(corners)
-            return
+                return _hull(points[distinct(solid.triangles.faces)])
+            return _hulls(points[solid.triangles.faces])
     outline = outline_of(solid)
     axis = X.rotate(np.array([0.0, 0.0, 1.0]))
     parts = [outline] if _bulges(outline) else [outline[i : i + 2] for i in range(len(outline) - 1)]
-    for part in parts:
-        yield Convex(part, origin=X.p, axis=axis)
+    return _joined([_turned(part, X.p, axis) for part in parts])
+
+
+def _hull(corners: Array, grown: float = 0.0) -> Convexes:
+    """The hull of corners (k, 3), grown by a length [m]."""
+    return _hulls(corners[None])._replace(grown=np.array([grown]))
+
+
+def _hulls(corners: Array) -> Convexes:
+    """Hulls of corners (n, k, 3) each."""
+    n, k = corners.shape[:2]
+    return Convexes(
+        k * np.arange(n),
+        np.full(n, k),
+        np.zeros(n, dtype=np.int64),
+        np.zeros(n),
+        0.5 * (corners.min(axis=1) + corners.max(axis=1)),
+        np.tile([0.0, 0.0, 1.0], (n, 1)),
+        np.ascontiguousarray(corners.reshape(-1, 3), dtype=float),
+    )
+
+
+def _turned(circles: Array, origin: Array, axis: Array) -> Convexes:
+    """A convex body of revolution from circles (k, 2), radius and height along `axis` (3,) from `origin` (3,) on."""
+    points = np.zeros((len(circles), 3))
+    points[:, :2] = circles
+    one, none = np.ones(1, dtype=np.int64), np.zeros(1, dtype=np.int64)
+    return Convexes(none, len(circles) * one, one, np.zeros(1), origin[None].copy(), axis[None].copy(), points)
+
+
+def _joined(parts: Sequence[Convexes]) -> Convexes:
+    """Convex bodies one after the other."""
+    rows = np.cumsum([0, *(len(part.points) for part in parts)])
+    first = [part.first + row for part, row in zip(parts, rows, strict=False)]
+    return Convexes(np.concatenate(first), *(np.concatenate(columns) for columns in list(zip(*parts, strict=True))[1:]))
+
+
+def balls_of(bodies: Convexes) -> tuple[Array, Array]:
+    """Centres (k, 3) and radii (k,) of balls around convex bodies."""
+    points, first, origin = bodies.points, bodies.first, bodies.origin
+    at = np.repeat(np.arange(len(first)), bodies.many)
+    flat = norms(points - origin[at])
+    height = points[:, 1]
+    middle = 0.5 * (np.minimum.reduceat(height, first) + np.maximum.reduceat(height, first))
+    turned = np.sqrt(points[:, 0] * points[:, 0] + np.square(height - middle[at]))
+    is_round = bodies.round == 1
+    radius = np.maximum.reduceat(np.where(is_round[at], turned, flat), first) + bodies.grown
+    return np.where(is_round[:, None], origin + middle[:, None] * bodies.axis, origin), radius
+
+
+def bounds_of(bodies: Convexes, X: Pose) -> tuple[Array, Array]:
+    """Least and greatest corner of all of some convex bodies whose frame stands at `X`."""
+    at = np.repeat(np.arange(len(bodies.first)), bodies.many)
+    is_round, grown = (bodies.round == 1)[at], bodies.grown[at, None]
+    corners = X.apply(bodies.points[~is_round])
+    low, high = [corners - grown[~is_round]], [corners + grown[~is_round]]
+    if is_round.any():
+        circles, axis = bodies.points[is_round], X.rotate(bodies.axis[at][is_round])
+        middle = X.apply(bodies.origin[at][is_round]) + circles[:, 1:2] * axis
+        spread = circles[:, :1] * np.sqrt(np.maximum(1.0 - axis * axis, 0.0)) + grown[is_round]
+        low.append(middle - spread)
+        high.append(middle + spread)
+    return np.concatenate(low).min(axis=0), np.concatenate(high).max(axis=0)
 
 
 def _bulges(outline: Array) -> bool:
@@ -88,8 +118,7 @@ def _bulges(outline: Array) -> bool:
 
 def is_closed(mesh: Triangles) -> bool:
     """Whether each edge of a mesh belongs to two triangles, once in each direction; corners at one place are one."""
-    _, same = np.unique(mesh.points, axis=0, return_inverse=True)
-    faces = same.reshape(-1)[mesh.faces].astype(np.int64)
+    faces = row_numbers(mesh.points)[mesh.faces]
     edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
     key, back = edges[:, 0] * len(mesh.points) + edges[:, 1], edges[:, 1] * len(mesh.points) + edges[:, 0]
     return bool(np.array_equal(np.sort(key), np.sort(back)))
@@ -119,33 +148,59 @@ class RigidBody:
     carrier: int = -1
 
     @cached_property
-    def convexes(self) -> tuple[Convex, ...]:
+    def convexes(self) -> Convexes:
         """Its convex bodies, in the frame of its carrier."""
-        return tuple(convex for placed in self.solids for convex in convexes_of(placed))
+        return _joined([convexes_of(placed) for placed in self.solids])
 
     @cached_property
-    def skins(self) -> tuple[Array, ...]:
-        """Its closed meshes that are not convex, as corners (t, 3, 3): what is inside touches no triangle."""
-        found = []
-        for placed in self.solids:
-            if isinstance(placed.solid, Mesh) and not is_convex(placed.solid.triangles):
-                triangles = placed.solid.triangles
-                if is_closed(triangles):
-                    found.append(placed.X.apply(triangles.points)[triangles.faces])
-        return tuple(found)
+    def balls(self) -> tuple[Array, Array]:
+        """Centres (k, 3) and radii (k,) of balls around its convex bodies."""
+        return balls_of(self.convexes)
 
-    @property
+    @cached_property
+    def dents(self) -> tuple[DentedMesh, ...]:
+        """Its meshes that are not convex."""
+        return tuple(
+            DentedMesh(placed.solid.triangles, placed.X)
+            for placed in self.solids
+            if isinstance(placed.solid, Mesh) and not is_convex(placed.solid.triangles)
+        )
+
+    @cached_property
     def insides(self) -> Array:
-        """A point (k, 3) of each of its convex bodies."""
-        return np.array([_point_of(convex) for convex in self.convexes]).reshape(-1, 3)
+        """Points (k, 3) of it, one at least of each piece that hangs together."""
+        bodies = self.convexes
+        middle = np.add.reduceat(bodies.points, bodies.first, axis=0) / bodies.many[:, None]
+        return np.where((bodies.round == 1)[:, None], bodies.origin + middle[:, 1:2] * bodies.axis, middle)
 
 
-def _point_of(convex: Convex) -> Array:
-    if convex.origin is None or convex.axis is None:
-        point: Array = convex.points.mean(axis=0)
-        return point
-    middle: Array = convex.origin + float(convex.points[:, 1].mean()) * convex.axis
-    return middle
+@frozen(slots=False, kw_only=False, eq=False)
+class DentedMesh:
+    """A mesh that is not convex, with its frame at `X`: what is inside of a closed one touches no triangle."""
+
+    triangles: Triangles
+    X: Pose
+
+    @cached_property
+    def corners(self) -> Array:
+        """Of its triangles (t, 3, 3)."""
+        corners: Array = self.X.apply(self.triangles.points)[self.triangles.faces]
+        return corners
+
+    @cached_property
+    def is_closed(self) -> bool:
+        """See `is_closed`; not asked for before a point is near, since that takes a while for millions of triangles."""
+        return is_closed(self.triangles)
+
+    @cached_property
+    def _box(self) -> tuple[Array, Array]:
+        return self.corners.min(axis=(0, 1)), self.corners.max(axis=(0, 1))
+
+    def holds_one_of(self, points: Array) -> bool:
+        """Whether one of some points (k, 3) is inside."""
+        low, high = self._box
+        near = points[np.all((points > low) & (points < high), axis=1)]
+        return bool(len(near)) and self.is_closed and bool(is_within(near, self.corners).any())
 
 
 def is_within(points: Array, skin: Array) -> NDArray[np.bool_]:
@@ -182,75 +237,22 @@ class Woods:
     @staticmethod
     def of(bodies: Sequence[RigidBody]) -> Woods:
         """Trees of bodies, each of which has at least one solid."""
-        all_of = [convex for body in bodies for convex in body.convexes]
-        builder = _Builder([convex.ball for convex in all_of])
-        roots, deepest, first = [], 0, 0
-        for body in bodies:
-            members = np.arange(first, first + len(body.convexes))
-            first += len(members)
-            roots.append(builder.tree(members))
-            deepest = max(deepest, builder.depth)
-        forest = builder.forest()
-        root = np.array(roots, dtype=np.int64)
+        many = np.array([len(body.convexes.first) for body in bodies], dtype=np.int64)
+        forest, root = _forest_of([body.balls for body in bodies], many)
         far = norms(forest.centre[root]) + forest.radius[root]
-        owner = np.repeat(np.arange(len(bodies)), [len(body.convexes) for body in bodies])
-        return Woods(_columns(all_of), forest, root, deepest, far, owner)
+        deepest = (int(many.max()) - 1).bit_length() + 1  # halves of halves
+        owner = np.repeat(np.arange(len(bodies)), many)
+        return Woods(_joined([body.convexes for body in bodies]), forest, root, deepest, far, owner)
 
 
-class _Builder:
-    """Builds trees of balls."""
+def _forest_of(balls: Sequence[tuple[Array, Array]], many: NDArray[np.int64]) -> tuple[Forest, NDArray[np.int64]]:
+    """A tree over the balls of each body, of which it has `many` (b,), and the root (b,) of each."""
+    from gcodesim.checks.forest_kernels import plant
 
-    def __init__(self, balls: Iterable[tuple[Array, float]]) -> None:
-        pairs = list(balls)
-        self._at = np.array([at for at, _ in pairs]).reshape(-1, 3)
-        self._size = np.array([size for _, size in pairs])
-        self._rows: list[tuple[Array, float, int, int, int]] = []
-        self.depth = 0
-
-    def tree(self, members: NDArray[np.intp]) -> int:
-        """The root of a tree of these convex bodies."""
-        self.depth = 0
-        return self._node(members, 1)
-
-    def _node(self, members: NDArray[np.intp], depth: int) -> int:
-        self.depth = max(self.depth, depth)
-        here = len(self._rows)
-        at, size = self._at[members], self._size[members]
-        if len(members) == 1:
-            self._rows.append((at[0], float(size[0]), -1, -1, int(members[0])))
-            return here
-        low, high = (at - size[:, None]).min(axis=0), (at + size[:, None]).max(axis=0)
-        centre = 0.5 * (low + high)
-        self._rows.append((centre, float((norms(at - centre) + size).max()), -1, -1, -1))
-        order = members[np.argsort(at[:, int(np.argmax(np.ptp(at, axis=0)))], kind="stable")]
-        half = len(order) // 2
-        left, right = self._node(order[:half], depth + 1), self._node(order[half:], depth + 1)
-        self._rows[here] = (*self._rows[here][:2], left, right, -1)
-        return here
-
-    def forest(self) -> Forest:
-        """All trees."""
-        return Forest(
-            np.array([row[0] for row in self._rows]).reshape(-1, 3),
-            np.array([row[1] for row in self._rows]),
-            *(np.array([row[k] for row in self._rows], dtype=np.int64) for k in (2, 3, 4)),
-        )
-
-
-def _columns(convexes: Sequence[Convex]) -> Convexes:
-    counts = [len(convex.points) for convex in convexes]
-    points = np.zeros((sum(counts), 3))
-    first = np.concatenate([[0], np.cumsum(counts)]).astype(np.int64)
-    for at, convex in zip(first, convexes, strict=False):
-        points[at : at + len(convex.points), : convex.points.shape[1]] = convex.points
-    middle = [convex.ball[0] if convex.origin is None else convex.origin for convex in convexes]
-    up = np.array([0.0, 0.0, 1.0])
-    return Convexes(
-        first[:-1].copy(),
-        np.array(counts, dtype=np.int64),
-        np.array([convex.origin is not None for convex in convexes], dtype=np.int64),
-        np.array([convex.grown for convex in convexes]),
-        np.array(middle, dtype=float).reshape(-1, 3),
-        np.array([up if convex.axis is None else convex.axis for convex in convexes]).reshape(-1, 3),
-        points,
-    )
+    at, size = (np.concatenate(column) for column in zip(*balls, strict=True))
+    nodes = int((2 * many - 1).sum())
+    links = [np.zeros(nodes, dtype=np.int64) for _ in range(3)]
+    forest = Forest(np.zeros((nodes, 3)), np.zeros(nodes), *links)
+    root = np.zeros(len(many), dtype=np.int64)
+    plant(at, size, np.ascontiguousarray(at.T), many, forest, root)
+    return forest, root

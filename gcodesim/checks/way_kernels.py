@@ -171,7 +171,7 @@ def descend(
     p: int,
     a: int,
     b: int,
-    place: tuple[int, float, float],
+    place: tuple[int, float, float, float],
     couple: Couple,
     chain: JointTree,
     way: WayColumns,
@@ -180,11 +180,12 @@ def descend(
 ) -> tuple[float, float]:
     """Share of a stretch at which the gap of convex bodies `a` and `b` first falls to a level, and that gap [m].
 
-    `place`: the stretch, the share from which on, the level. `NEVER` when it stays above. Nothing below the level is
+    `place`: the stretch, the share from which on, the level, the share from which on it does not matter. `NEVER` when
+    it stays above until then. Nothing below the level is
     passed over: the way is looked at so closely that the gap along one direction stays above it in between.
     """
     room, gaps = rooms
-    k, t, level = place
+    k, t, level, enough = place
     bend = acceleration_of(p, k, couple, chain, way)
     level -= slack_of(p, k, couple, way) if level <= 0.0 else 0.0
     while True:
@@ -192,7 +193,7 @@ def descend(
         gap = signed_gap(a, b, bodies, room.Xa, room.Xb, np.inf, gaps, room.n)
         if gap <= level + CLOSE:
             return t, gap
-        if t >= 1.0:
+        if t >= min(enough, 1.0):
             return NEVER, gap
         step = 1.0 - t
         best = 0.0

@@ -9,18 +9,13 @@ from typing import Final
 import numpy as np
 
 from gcodesim.solids import Point
+from gcodesim.solids.obj_file import NUMBER, plain_points
 
 MESH_SUFFIXES: Final = (".stl", ".obj", ".ply", ".off", ".glb")
 _STL_HEADER: Final = 84
 _STL_FACET: Final = 50
-_NUMBER = rb"([-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?)"
-_STL_VERTEX = re.compile(rb"\bvertex\s+" + _NUMBER + rb"\s+" + _NUMBER + rb"\s+" + _NUMBER)
+_STL_VERTEX = re.compile(rb"\bvertex\s+" + NUMBER + rb"\s+" + NUMBER + rb"\s+" + NUMBER)
 _STL_VERTICES = re.compile(rb"\bvertex\b")
-_OBJ_VERTEX = re.compile(rb"^v\s+" + _NUMBER + rb"\s+" + _NUMBER + rb"\s+" + _NUMBER, re.MULTILINE)
-_OBJ_VERTICES = re.compile(rb"^v\s", re.MULTILINE)
-_OBJ_FACE = re.compile(rb"^f((?:[ \t]+[0-9]{1,9}(?:/[0-9]*){0,2}){3,})[ \t]*\r?$", re.MULTILINE)
-_OBJ_FACES = re.compile(rb"^f\s", re.MULTILINE)
-_OBJ_CORNER = re.compile(rb"[ \t]([0-9]+)")
 
 Corners = np.ndarray[tuple[int, ...], np.dtype[np.float64]]
 _READ_IT: Final = np.zeros((0, 3))
@@ -50,12 +45,8 @@ def bounds(path: Path, raw: bytes) -> tuple[Point, Point] | str:
 
 
 def _obj(raw: bytes) -> Corners:
-    """Corners (n, 3) of an OBJ, if all is as most programs write it and no face has a corner that is not there."""
-    points, faces = _ascii(_OBJ_VERTEX, raw), _OBJ_FACE.findall(raw)
-    if not faces or len(points) != len(_OBJ_VERTICES.findall(raw)) or len(faces) != len(_OBJ_FACES.findall(raw)):
-        return _READ_IT
-    corners = [int(corner) for face in faces for corner in _OBJ_CORNER.findall(face)]
-    return points if min(corners) >= 1 and max(corners) <= len(points) else _READ_IT
+    points = plain_points(raw)
+    return _READ_IT if points is None else points
 
 
 def _stl(raw: bytes) -> Corners | None:

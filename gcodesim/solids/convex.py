@@ -22,8 +22,7 @@ SIDES: Final = 64
 def hulls_of(placed: Placed, sides: int = SIDES) -> tuple[Hull, ...]:
     """A solid as convex bodies that enclose it, in the frame in which it is placed.
 
-    Round bodies become prisms of `sides`. Of a mesh every triangle is a body of its own: the mesh may be hollow, and
-    crossing it is found.
+    Round bodies become prisms of `sides`. A mesh gives none: every triangle is a body of its own (see `facets_of`).
     """
     solid, X = placed.solid, placed.X
     match solid:
@@ -33,13 +32,20 @@ def hulls_of(placed: Placed, sides: int = SIDES) -> tuple[Hull, ...]:
         case Cylinder(radius=radius, bottom=bottom, top=top):
             return (_prism([(radius, bottom), (radius, top)], sides).at(X),)
         case Mesh():
-            points = X.apply(solid.triangles.points)
-            found = (_triangle(corners) for corners in points[solid.triangles.faces])
-            return tuple(hull for hull in found if hull is not None)
+            return ()
         case Hulls(hulls=hulls):
             return tuple(hull.at(X) for hull in hulls)
     outline = [(float(r), float(z)) for r, z in outline_of(solid)[::-1]]
     return tuple(_prism(list(piece), sides).at(X) for piece in pairwise(outline))
+
+
+def facets_of(placed: Placed) -> Array:
+    """Corners (t, 3, 3) of the triangles of a mesh, which may be hollow: crossing it is found; (0, 3, 3) of others."""
+    if not isinstance(placed.solid, Mesh):
+        return np.zeros((0, 3, 3))
+    triangles = placed.solid.triangles
+    corners: Array = placed.X.apply(triangles.points)[triangles.faces]
+    return corners
 
 
 def _prism(ends: list[tuple[float, float]], sides: int) -> Hull:
@@ -61,7 +67,7 @@ def _prism(ends: list[tuple[float, float]], sides: int) -> Hull:
     return Hull(np.array(corners), np.vstack([around, [[0.0, 0.0, 1.0]]]))
 
 
-def _triangle(corners: Array) -> Hull | None:
+def facet_hull(corners: Array) -> Hull | None:
     """A flat body of three corners (3, 3); None where they lie on a line."""
     edges = np.roll(corners, -1, axis=0) - corners
     normal = np.cross(edges[0], edges[1])

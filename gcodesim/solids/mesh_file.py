@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from gcodesim.extras import ExtraMissingError, require_extra
 from gcodesim.frames import Array
 from gcodesim.frozen import frozen
+from gcodesim.solids.obj_file import counted_from_one
 
 Faces = NDArray[np.int32]
 
@@ -57,8 +58,10 @@ def read_mesh(path: Path, scale: float = 1.0) -> tuple[Array, Faces]:
         except ExtraMissingError as missing:
             raise MeshError(f"{path.name}: {missing}", "or convert the file to STL or OBJ") from None
     try:
+        raw, suffix = path.read_bytes(), path.suffix[1:].lower()
         # the bytes, not the path: the readers would open whatever else a file names, such as materials
-        mesh = trimesh.load(BytesIO(path.read_bytes()), file_type=path.suffix[1:].lower(), force="mesh", process=False)
+        content = counted_from_one(raw) if suffix == "obj" else raw
+        mesh = trimesh.load(BytesIO(content), file_type=suffix, force="mesh", process=False)
     except Exception as fault:  # each kind of file has a reader that fails in its own ways
         raise MeshError(f"{path.name}: {fault or type(fault).__name__}") from fault
     vertices = np.ascontiguousarray(mesh.vertices, dtype=np.float64) * scale

@@ -128,7 +128,7 @@ def test_a_body_inside_a_closed_mesh_meets_it() -> None:
 def test_a_convex_mesh_is_one_body() -> None:
     skin = triangles_of(Box.about_origin((0.1, 0.2, 0.3)))
     assert is_convex(skin)
-    assert len(body("box", Mesh(source=skin)).convexes) == 1
+    assert len(body("box", Mesh(source=skin)).convexes.first) == 1
 
 
 def test_a_dented_body_of_revolution_is_met_only_where_it_is() -> None:
@@ -174,3 +174,36 @@ def test_depth_is_the_least_way_out_in_any_direction() -> None:
             (meeting,) = found
             assert -meeting.gap <= overlap.min() + 1e-8
             assert -meeting.gap == pytest.approx(overlap.min(), abs=8e-4)
+
+
+def dish(across: int) -> Mesh:
+    """A board of 100 x 100 x 10 mm about the origin whose top of small triangles is dented by 0.1 mm in the middle."""
+    side = np.linspace(-0.05, 0.05, across + 1)
+    x, y = np.meshgrid(side, side, indexing="ij")
+    top = np.stack([x, y, 0.005 - 0.1e-3 * (1.0 - 400.0 * x * x) * (1.0 - 400.0 * y * y)], axis=2)
+    points = np.concatenate([top.reshape(-1, 3), (top * (1.0, 1.0, 0.0) - (0.0, 0.0, 0.005)).reshape(-1, 3)])
+    number = np.arange((across + 1) ** 2).reshape(across + 1, across + 1)
+    a, b, c, d = (n.ravel() for n in (number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]))
+    upper = np.concatenate([np.stack([a, b, c], axis=1), np.stack([a, c, d], axis=1)])
+    rim = np.concatenate([number[:-1, 0], number[-1, :-1], number[:0:-1, -1], number[0, :0:-1]])
+    after, below = np.roll(rim, -1), number.size
+    walls = [np.stack([rim, rim + below, after], axis=1), np.stack([after, rim + below, after + below], axis=1)]
+    return Mesh.of(points, np.concatenate([upper, upper[:, ::-1] + below, *walls]))
+
+
+def test_passing_by_a_fine_mesh_is_one_meeting_at_any_level() -> None:
+    """A near miss at 3 mm: the balls around small triangles are no nearer, and the gap is known all the same."""
+    assert is_closed(dish(20).triangles) and not is_convex(dish(20).triangles)
+    pair = pair_of(ALONG_X, body("ball", Sphere(radius=1e-3), (0.0, 0.02, 9e-3), carrier=0), body("dish", dish(20)))
+    (meeting,) = pair.search(JointWay.straight(np.array([[-0.2], [0.2]])), level=5e-3)
+    assert meeting.gap == pytest.approx(3e-3, abs=1e-5)
+    far = 0.05 + math.sqrt(6e-3**2 - 4e-3**2)  # from the edge
+    assert (meeting.share - 0.5) * 0.4 == pytest.approx(-far, abs=1e-4)
+
+
+def test_bodies_of_many_triangles_are_searched_at_once() -> None:
+    """The same with 80,000 triangles; most of them are never looked at."""
+    fine = body("dish", dish(200))
+    pair = pair_of(ALONG_X, body("ball", Sphere(radius=1e-3), (0.0, 0.02, 9e-3), carrier=0), fine)
+    (meeting,) = pair.search(JointWay.straight(np.array([[-0.2], [0.2]])), level=5e-3)
+    assert meeting.gap == pytest.approx(3e-3, abs=1e-5)

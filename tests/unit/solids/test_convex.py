@@ -17,6 +17,8 @@ from gcodesim.solids import (
     Revolution,
     Solid,
     Sphere,
+    facet_hull,
+    facets_of,
     hulls_of,
     triangles_of,
 )
@@ -65,10 +67,14 @@ def test_the_sides_of_a_cone_are_faces_of_its_hull() -> None:
 def test_a_mesh_is_a_body_a_triangle() -> None:
     skin = triangles_of(BOX)
 
-    hulls = hulls_of(Placed(Mesh(source=skin)))
+    facets = facets_of(Placed(Mesh(source=skin), X))
 
-    assert len(hulls) == 12
-    assert all(hull.corners.shape == (3, 3) and hull.normals.shape == (4, 3) for hull in hulls)
+    assert hulls_of(Placed(Mesh(source=skin))) == ()
+    assert facets == pytest.approx(X.apply(skin.points)[skin.faces])
+    for corners in facets:
+        hull = facet_hull(corners)
+        assert hull is not None and hull.corners is corners and hull.normals.shape == (4, 3)
+    assert facet_hull(facets[0][[0, 1, 1]]) is None
 
 
 def test_convex_bodies_stay_what_they_are() -> None:

@@ -43,6 +43,31 @@ def test_a_file_without_triangles_is_refused(tmp_path: Path) -> None:
         read_mesh(tmp_path / "empty.obj")
 
 
+def test_corners_counted_backwards_count_from_their_face(tmp_path: Path) -> None:
+    """Not from the end of the file: two triangles of their own, as a program writes them that knows no total."""
+    (tmp_path / "two.obj").write_text(
+        "v 0 0 0\nv 1 0 0\nv 0 1 0\nf -3 -2 \\\n -1 # first\nv 0 0 5\nv 1 0 5\nv 0 1 5\n f -3//7 -2/2 -1\n"
+    )
+    vertices, faces = read_mesh(tmp_path / "two.obj")
+    assert vertices[faces][:, :, 2].tolist() == [[0.0, 0.0, 0.0], [5.0, 5.0, 5.0]]
+
+
+@pytest.mark.parametrize(
+    ("face", "message"),
+    [
+        ("f 0 1 2", "line 4 names corner 0, but corners count from 1"),
+        ("f 1 2 4", "line 4 names corner 4, but there are 3"),
+        ("f 1 2 -4", "line 4 names corner -4, but there are 3"),
+        ("f 1 2", "line 4 has 2 corners"),
+        ("f 1.5 2 3", "line 4 names the corner `1.5`"),
+    ],
+)
+def test_a_face_that_names_no_corner_is_told_with_its_line(face: str, message: str, tmp_path: Path) -> None:
+    (tmp_path / "a.obj").write_text(f"v 0 0 0\nv 1 0 0\nv 0 1 0\n{face}\nf 1 2 3\n")
+    with pytest.raises(MeshError, match=message):
+        read_mesh(tmp_path / "a.obj")
+
+
 def test_collada_is_read_with_its_extra_and_names_it_without(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     trimesh.creation.box((30, 20, 10)).export(tmp_path / "block.dae")
     vertices, faces = read_mesh(tmp_path / "block.dae", MM)
