@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from gcodesim.executor.part_run import PartRun
-from gcodesim.executor.stint import Stint, deflection_of, stint_of
+from gcodesim.executor.stint import Stint, deflection_of
+from gcodesim.executor.stint_maker import Span, StintMaker
 from gcodesim.executor.switching import Switching
 from gcodesim.executor.tasks import Only, RowColumns, Tasks
 from gcodesim.executor.window import StepWindow
@@ -39,17 +40,16 @@ class Coupling:
         gears_move: bool = False,
         only: Only | None = None,
     ) -> None:
-        self._plan, self._shop, self._rows = plan, shop, rows
+        self._shop, self._parts = shop, parts
         self._tasks = Tasks(shop, parts, only)
-        self._parts = parts
-        self._switching = Switching(plan, shop)
+        self.follow(plan, rows)
         self._gears_move = gears_move
         self._bent: Array | None = None  # how far (1, 3) [m] in B loads have put the tip at the end of the last steps
 
     def follow(self, plan: Plan, rows: RowColumns) -> None:
         """Go on with a plan that has further legs, and its rows."""
-        self._plan, self._rows = plan, rows
-        self._switching = Switching(plan, self._shop)
+        self._plan = plan
+        self._maker = StintMaker(self._shop, rows, Switching(plan, self._shop), self._parts)
 
     def save(self) -> Callable[[], None]:
         """Remember which tool is in the spindle; calling the result restores it. States of processes do not count."""
@@ -68,11 +68,8 @@ class Coupling:
         def jacobian() -> Array:
             return self.tip_jacobian(steps, begin, end)
 
-        ask = None if self._gears_move else jacobian
-        made = [
-            stint_of(self._shop, self._rows, task, steps, begin, end, ask, self._switching, self._parts)
-            for task in tasks
-        ]
+        span = Span(steps, begin, end, None if self._gears_move else jacobian)
+        made = [self._maker.stint(task, span) for task in tasks]
         stints = [stint for stint in made if stint is not None]
         self._bend(steps, begin, end, stints)
         return Stretch(self._plan, steps, begin, end, stints)

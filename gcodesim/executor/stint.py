@@ -9,18 +9,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from gcodesim.arithmetic.matrices import applied, inverse_pose, multiplied
+from gcodesim.arithmetic.matrices import applied, multiplied
 from gcodesim.arithmetic.turn_kernels import into_axes, wrench_from_axes
 from gcodesim.executor.freeing import Freed, Freeing
-from gcodesim.executor.part_run import PartRun, PartsInWindow, PartsTarget
-from gcodesim.executor.switching import Switching
+from gcodesim.executor.part_run import PartsInWindow
 from gcodesim.executor.targets import Bounds
-from gcodesim.executor.tasks import RowColumns, Task
-from gcodesim.executor.window import StepWindow
+from gcodesim.executor.tasks import Task
 from gcodesim.frames import Array
-from gcodesim.kinematics import compliance
 from gcodesim.processes.window import ProcessStep, Window
-from gcodesim.shop import Shop
 
 NEAR = 1e-3
 """Distance [m] from its target within which a process counts as near; more than any arm yields."""
@@ -62,7 +58,7 @@ class Stint:
         if self.parts is not None:
             self.parts.begin()
             self._keep(task.process.run(self.parts, window, task.state))
-        elif _is_near(task, window.piece_start, window.piece_end, window.axis, task.target.filled()):
+        elif is_near(task, window.piece_start, window.piece_end, window.axis, task.target.filled()):
             freeing = Freeing(task, window, self.row)
             self._keep(freeing.run())
             self.freed = freeing.freed
@@ -100,7 +96,7 @@ class Stint:
         into_axes(self.X_BS[k], moved_before, moved, seen)
         if getattr(self._loop, "yields", False):
             R_SB = self.X_BS[k : k + 1, :3, :3].transpose(0, 2, 1)
-            gives = _seen_from(R_SB, response[None])[0, :3]
+            gives = compliance_seen_from(R_SB, response[None])[0, :3]
             wrench = self._loop.step(k, seen[0], seen[1], self.share, gives)
         else:
             wrench = self._loop.step(k, seen[0], seen[1], self.share)
@@ -127,156 +123,12 @@ class Stint:
         self.answer, self.wrench = answer, in_base(answer.wrench, self.X_BS)
 
 
-def stint_of(
-    shop: Shop,
-    rows: RowColumns,
-    task: Task,
-    steps: StepWindow,
-    begin: int,
-    end: int,
-    jacobian: Callable[[], Array] | None,
-    switching: Switching,
-    parts: PartRun | None = None,
-) -> Stint | None:
-    """The stint for steps `begin` to `end`, all with the task's tool; None if it stays away from the target.
-
-    `jacobian` gives those of the tip (n, 6, j) in base axes; a rigid machine does not ask for them. None: the world
-    itself moves the gears, so that they are no matter of the process. `switching` says when signals are set; only
-    grippers ask for it. `parts` are those of the run: some targets are among them.
-    """
-    joints, before = steps.joints(shop.name, begin, end), steps.joints_before(shop.name, begin)
-    first, frame = steps.first + begin, task.target.frame
-
-    def where(other: str) -> Array:
-        """X_BF (n, 4, 4) as far as it is known by now."""
-        moved = None if parts is None else parts.seen_from(shop, other, first, joints)
-        return shop.scene.seen_from(shop.name, other, joints) if moved is None else moved
-
-    def made(held: Array, X_BS: Array) -> Stint | None:
-        return _stint_at(shop, rows, task, steps, begin, end, jacobian, switching, held, X_BS, where)
-
-    stint = made(*(shop.scene.seen_from(shop.name, frame, q) for q in (before, joints)))
-    if stint is None or parts is None or frame not in parts.things:
-        return stint
-
-    def anew() -> Stint | None:
-        held = parts.seen_from(shop, frame, parts.before(frame, first), before)
-        assert held is not None
-        return made(held, where(frame))
-
-    stint.anew = anew
-    return stint
-
-
-def _stint_at(
-    shop: Shop,
-    rows: RowColumns,
-    task: Task,
-    steps: StepWindow,
-    begin: int,
-    end: int,
-    jacobian: Callable[[], Array] | None,
-    switching: Switching,
-    first_X: Array,
-    X_BS: Array,
-    where: Callable[[str], Array],
-) -> Stint | None:
-    """See `stint_of`; the target comes from `first_X` (1, 4, 4) and is at X_BS (n, 4, 4), others are at `where`."""
-    count = end - begin
-    held = np.concatenate([first_X, X_BS[:-1]])
-    moving = bool((X_BS[:, :3] != first_X[:, :3]).any())
-    if moving:  # the table turns or travels: chords between the ends of steps, seen from the stock
-        start = _into(held, steps.tip_before[begin:end, :3, 3])
-        stop = _into(X_BS, steps.tip[begin:end, :3, 3])
-        R_SB, R_before = X_BS[:, :3, :3].transpose(0, 2, 1), held[:, :3, :3].transpose(0, 2, 1)
-        step, share = np.arange(count), np.tile([0.0, 1.0], (count, 1))
-        row = steps.row[begin:end]
-        filament = _of_steps(steps, begin, end)
-    else:
-        first, last = np.searchsorted(steps.piece_step, [begin, end])
-        R_SB = R_before = X_BS[:1, :3, :3].transpose(0, 2, 1)
-        p = X_BS[0, :3, 3]
-        start, stop = applied(R_SB, steps.piece_start[first:last] - p), applied(R_SB, steps.piece_end[first:last] - p)
-        step, share, row = (
-            steps.piece_step[first:last] - begin,
-            steps.piece_share[first:last],
-            steps.piece_row[first:last],
-        )
-        filament = None if steps.piece_filament is None else steps.piece_filament[first:last]
-    axis = -applied(R_SB, steps.tip[begin:end, :3, 2])
-    if not _is_near(task, start, stop, axis, task.target.room):
-        return None
-    velocity = np.zeros((count, 3))
-    dt = steps.dt[begin:end]
-    np.add.at(velocity, step, (stop - start) / dt[step, None])
-    step_row = steps.row[begin:end]
-    rapid = np.ones(count, dtype=bool)  # a step is rapid when all of it is
-    rapid[step[~rows.rapid[row]]] = False
-    middle = steps.samples.time[begin:end] - 0.5 * dt
-    signals = {signal.name: rows.signal(signal, step_row) for signal in task.process.reads}
-    carries = isinstance(task.target, PartsTarget)
-    if carries:
-        signals = {signal.name: switching.at(signal, middle) for signal in task.process.reads}
-    X_WB = shop.X_WB.matrix
-    window = Window(
-        pose=multiplied(X_WB, steps.tip[begin:end]) if carries else None,
-        pose_before=multiplied(X_WB, steps.tip_before[begin]) if carries else None,
-        piece_start=np.ascontiguousarray(start),
-        piece_end=np.ascontiguousarray(stop),
-        piece_step=step,
-        axis=axis,
-        axis_before=-applied(R_before, steps.tip_before[begin:end, :3, 2]),
-        velocity=velocity,
-        piece_share=share,
-        rapid=rapid,
-        signals=signals,
-        dt=dt if steps.command is not None else float(dt[0]),
-        filament=filament,
-        side=applied(R_SB, steps.tip[begin:end, :3, 0]),
-        where=_places(where, X_BS),
-        compliance=_seen_from(R_SB, compliance(jacobian(), shop.stiffness))
-        if task.process.pushes and shop.stiffness is not None and jacobian is not None
-        else None,
-    )
-    parts = None
-    if isinstance(task.target, PartsTarget):
-        joints = steps.joints(shop.name, begin, end)
-        parts = task.target.during(steps.first + begin, joints, step_row, middle, switching)
-    return Stint(task=task, begin=begin, end=end, window=window, X_BS=X_BS, share=share, row=row, parts=parts)
-
-
-def _places(seen_from_base: Callable[[str], Array], X_BS: Array) -> Callable[[str], Array]:
-    """Poses X_SF (n, 4, 4) of frames of the scene."""
-
-    def where(frame: str) -> Array:
-        X_SF: Array = multiplied(inverse_pose(X_BS), seen_from_base(frame))
-        return X_SF
-
-    return where
-
-
-def _of_steps(steps: StepWindow, begin: int, end: int) -> Array | None:
-    """Filament (end - begin,) [m] of whole steps."""
-    if steps.piece_filament is None:
-        return None
-    first, last = np.searchsorted(steps.piece_step, [begin, end])
-    total = np.zeros(end - begin)
-    np.add.at(total, steps.piece_step[first:last] - begin, steps.piece_filament[first:last])
-    return total
-
-
-def _into(X: Array, points: Array) -> Array:
-    """Points (n, 3) of the outer frame in the inner frames of poses (n, 4, 4)."""
-    local: Array = applied(X[:, :3, :3].swapaxes(1, 2), points - X[:, :3, 3])
-    return local
-
-
-def _is_near(task: Task, start: Array, stop: Array, axis: Array, box: Bounds | None) -> bool:
+def is_near(task: Task, start: Array, stop: Array, axis: Array, box: Bounds | None) -> bool:
     """Whether the process may act on something in `box` while its tip goes along pieces (c, 3); see `Zone`."""
     return box is None or task.process.zone.meets(start, stop, axis, *box, NEAR)
 
 
-def _seen_from(R: Array, C: Array) -> Array:
+def compliance_seen_from(R: Array, C: Array) -> Array:
     """Compliance (n, 6, 6) in turned axes, R (n, 3, 3)."""
     both = np.zeros_like(C)
     both[:, :3, :3] = both[:, 3:, 3:] = R

@@ -1,0 +1,232 @@
+"""Makes stints: the motion of some steps as one process at one target sees it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gcodesim.arithmetic.matrices import applied, inverse_pose, multiplied
+from gcodesim.executor.part_run import PartRun, PartsTarget
+from gcodesim.executor.stint import Stint, compliance_seen_from, is_near
+from gcodesim.executor.switching import Switching
+from gcodesim.executor.tasks import RowColumns, Task
+from gcodesim.executor.window import Ints, StepWindow
+from gcodesim.frames import Array
+from gcodesim.frozen import frozen
+from gcodesim.kinematics import compliance
+from gcodesim.processes.window import Window
+from gcodesim.shop import Shop
+
+_BOTH_ENDS: Final = (0.0, 1.0)
+
+
+@frozen(kw_only=False, eq=False)
+class Span:
+    """Steps `begin` to `end` of a window, all with one tool.
+
+    `jacobian` gives the Jacobians of its tip (n, 6, j) in base axes; a rigid machine does not ask for them. None: the
+    world itself moves the gears, so that they are no matter of the process.
+    """
+
+    steps: StepWindow
+    begin: int
+    end: int
+    jacobian: Callable[[], Array] | None
+
+    @property
+    def here(self) -> slice:
+        return slice(self.begin, self.end)
+
+    @property
+    def first(self) -> int:
+        """The number of its first step in the run."""
+        return self.steps.first + self.begin
+
+    def __len__(self) -> int:
+        return self.end - self.begin
+
+
+@frozen(eq=False)
+class Chords:
+    """The way of the tip in a span seen from a target: c pieces from `start` to `stop` (c, 3) [m], each in its `step`,
+    in `share` (c, 2) of it, of path `row`; `filament` (c,) [m] if there is any.
+
+    `R_SB` (1 or n, 3, 3) turns from base axes into those of the target at the ends of steps, `R_before` does so at
+    their beginnings.
+    """
+
+    start: Array
+    stop: Array
+    step: Ints
+    share: Array
+    row: Ints
+    filament: Array | None
+    R_SB: Array
+    R_before: Array
+
+    @staticmethod
+    def of(span: Span, first_X: Array, X_BS: Array) -> Chords:
+        """Seen from a target that is at X_BS (n, 4, 4) at the ends of steps, and comes from `first_X` (1, 4, 4)."""
+        if (X_BS[:, :3] != first_X[:, :3]).any():
+            return Chords._of_moving(span, np.concatenate([first_X, X_BS[:-1]]), X_BS)
+        steps = span.steps
+        first, last = np.searchsorted(steps.piece_step, [span.begin, span.end])
+        R_SB, p = X_BS[:1, :3, :3].transpose(0, 2, 1), X_BS[0, :3, 3]
+        return Chords(
+            start=applied(R_SB, steps.piece_start[first:last] - p),
+            stop=applied(R_SB, steps.piece_end[first:last] - p),
+            step=steps.piece_step[first:last] - span.begin,
+            share=steps.piece_share[first:last],
+            row=steps.piece_row[first:last],
+            filament=None if steps.piece_filament is None else steps.piece_filament[first:last],
+            R_SB=R_SB,
+            R_before=R_SB,
+        )
+
+    @staticmethod
+    def _of_moving(span: Span, held: Array, X_BS: Array) -> Chords:
+        """The table turns or travels: chords between the ends of steps."""
+        steps, here = span.steps, span.here
+        return Chords(
+            start=_into(held, steps.tip_before[here, :3, 3]),
+            stop=_into(X_BS, steps.tip[here, :3, 3]),
+            step=np.arange(len(span)),
+            share=np.tile(_BOTH_ENDS, (len(span), 1)),
+            row=steps.row[here],
+            filament=_of_steps(span),
+            R_SB=X_BS[:, :3, :3].transpose(0, 2, 1),
+            R_before=held[:, :3, :3].transpose(0, 2, 1),
+        )
+
+    def velocity(self, dt: Array) -> Array:
+        """Mean velocity (n, 3) [m/s] in steps that take `dt` (n,) [s]."""
+        velocity = np.zeros((len(dt), 3))
+        np.add.at(velocity, self.step, (self.stop - self.start) / dt[self.step, None])
+        return velocity
+
+    def rapid(self, rows: RowColumns, count: int) -> NDArray[np.bool_]:
+        """Which of `count` steps are rapid: those of which every piece is."""
+        rapid = np.ones(count, dtype=bool)
+        rapid[self.step[~rows.rapid[self.row]]] = False
+        return rapid
+
+
+@frozen(kw_only=False, eq=False)
+class StintMaker:
+    """Makes the stints of a channel: `rows` are those of its path, `switching` says when signals are set, which only
+    grippers ask. `parts` are those of the run; some targets are among them.
+    """
+
+    shop: Shop
+    rows: RowColumns
+    switching: Switching
+    parts: PartRun | None = None
+
+    def stint(self, task: Task, span: Span) -> Stint | None:
+        """The stint of a task; None if it stays away from the target."""
+        shop, parts, frame = self.shop, self.parts, task.target.frame
+        joints = span.steps.joints(shop.name, span.begin, span.end)
+        before = span.steps.joints_before(shop.name, span.begin)
+
+        def where(other: str) -> Array:
+            """X_BF (n, 4, 4) as far as it is known by now."""
+            moved = None if parts is None else parts.seen_from(shop, other, span.first, joints)
+            return shop.scene.seen_from(shop.name, other, joints) if moved is None else moved
+
+        def made(held: Array, X_BS: Array) -> Stint | None:
+            return self._stint_at(task, span, held, X_BS, where)
+
+        stint = made(*(shop.scene.seen_from(shop.name, frame, q) for q in (before, joints)))
+        if stint is None or parts is None or frame not in parts.things:
+            return stint
+
+        def anew() -> Stint | None:
+            held = parts.seen_from(shop, frame, parts.before(frame, span.first), before)
+            assert held is not None
+            return made(held, where(frame))
+
+        stint.anew = anew
+        return stint
+
+    def _stint_at(
+        self, task: Task, span: Span, first_X: Array, X_BS: Array, where: Callable[[str], Array]
+    ) -> Stint | None:
+        """The target comes from `first_X` (1, 4, 4) and is at X_BS (n, 4, 4), others are at `where`."""
+        steps, here = span.steps, span.here
+        chords = Chords.of(span, first_X, X_BS)
+        axis = -applied(chords.R_SB, steps.tip[here, :3, 2])
+        if not is_near(task, chords.start, chords.stop, axis, task.target.room):
+            return None
+        dt, row = steps.dt[here], steps.row[here]
+        middle = steps.samples.time[here] - 0.5 * dt
+        pose = pose_before = parts = None
+        signals = {signal.name: self.rows.signal(signal, row) for signal in task.process.reads}
+        if isinstance(task.target, PartsTarget):
+            X_WB, joints = self.shop.X_WB.matrix, steps.joints(self.shop.name, span.begin, span.end)
+            pose, pose_before = multiplied(X_WB, steps.tip[here]), multiplied(X_WB, steps.tip_before[span.begin])
+            signals = {signal.name: self.switching.at(signal, middle) for signal in task.process.reads}
+            parts = task.target.during(span.first, joints, row, middle, self.switching)
+        window = Window(
+            pose=pose,
+            pose_before=pose_before,
+            piece_start=np.ascontiguousarray(chords.start),
+            piece_end=np.ascontiguousarray(chords.stop),
+            piece_step=chords.step,
+            axis=axis,
+            axis_before=-applied(chords.R_before, steps.tip_before[here, :3, 2]),
+            velocity=chords.velocity(dt),
+            piece_share=chords.share,
+            rapid=chords.rapid(self.rows, len(span)),
+            signals=signals,
+            dt=dt if steps.command is not None else float(dt[0]),
+            filament=chords.filament,
+            side=applied(chords.R_SB, steps.tip[here, :3, 0]),
+            where=_places(where, X_BS),
+            compliance=self._compliance(task, span, chords.R_SB),
+        )
+        return Stint(
+            task=task,
+            begin=span.begin,
+            end=span.end,
+            window=window,
+            X_BS=X_BS,
+            share=chords.share,
+            row=chords.row,
+            parts=parts,
+        )
+
+    def _compliance(self, task: Task, span: Span, R_SB: Array) -> Array | None:
+        """How the machine gives way (n, 6, 6) to a process that pushes, in axes of the target; None if it does not."""
+        if not task.process.pushes or self.shop.stiffness is None or span.jacobian is None:
+            return None
+        return compliance_seen_from(R_SB, compliance(span.jacobian(), self.shop.stiffness))
+
+
+def _places(seen_from_base: Callable[[str], Array], X_BS: Array) -> Callable[[str], Array]:
+    """Poses X_SF (n, 4, 4) of frames of the scene."""
+
+    def where(frame: str) -> Array:
+        X_SF: Array = multiplied(inverse_pose(X_BS), seen_from_base(frame))
+        return X_SF
+
+    return where
+
+
+def _of_steps(span: Span) -> Array | None:
+    """Filament (n,) [m] of whole steps."""
+    steps = span.steps
+    if steps.piece_filament is None:
+        return None
+    first, last = np.searchsorted(steps.piece_step, [span.begin, span.end])
+    total = np.zeros(len(span))
+    np.add.at(total, steps.piece_step[first:last] - span.begin, steps.piece_filament[first:last])
+    return total
+
+
+def _into(X: Array, points: Array) -> Array:
+    """Points (n, 3) of the outer frame in the inner frames of poses (n, 4, 4)."""
+    local: Array = applied(X[:, :3, :3].swapaxes(1, 2), points - X[:, :3, 3])
+    return local
