@@ -44,5 +44,5 @@ class WordAction:
     kind: ClassVar[str] = ""
 
     def act(self, moment: Moment) -> str | None:
-        """What is to be told at the line of the M-code: a remark (GS940), something `Wrong` (GS941), or nothing."""
+        """What is to be told at the line of the M-code: a remark (GS580), something `Wrong` (GS581), or nothing."""
         raise NotImplementedError

@@ -54,7 +54,7 @@ class Calls:
         said = action.act(self._moment(record, k, time, event))
         if not said:
             return []
-        code = "GS941" if isinstance(said, Wrong) else "GS940"
+        code = "GS581" if isinstance(said, Wrong) else "GS580"
         text = " ".join(str(said).split())
         return [Diagnostic(code=code, span=event.span, message=f"{event.verb}: {text}", time=time)]
 

@@ -41,7 +41,7 @@ def printing_findings(rows: Rows) -> Iterator[Diagnostic]:
     if not volume.any():
         return
     yield from _off_size(rows, volume)
-    total = float(volume.sum())
+    total, laying = float(volume.sum()), _laying(volume)
     for code, name, what, hint in (
         ("GS522", "beside", "lies beside the stock, where it is not kept", "make the stock, which is the bed, as large "
          "as the print"),
@@ -50,8 +50,9 @@ def printing_findings(rows: Rows) -> Iterator[Diagnostic]:
     ):  # fmt: skip
         lost = rows[name]
         if float(lost.sum()) > _WORTH * total:
+            blamed = laying[lost[laying] > 0.0]
             yield rows.told(
-                np.flatnonzero(lost > 0.0),
+                blamed if len(blamed) else np.flatnonzero(lost > 0.0),
                 code,
                 f"{lost.sum() / MM3:.1f} of {total / MM3:.1f} mm³ {what}",
                 hint,

@@ -11,9 +11,16 @@ from gcodesim.declarations.plain_kinds import Whole
 from gcodesim.declarations.quantity import Quantity
 from gcodesim.frozen import frozen
 from gcodesim.tools.body import Primitive, cone, cylinder
-from gcodesim.tools.paste import Paste
+from gcodesim.tools.paste import WITHOUT_DATA, Paste
 from gcodesim.tools.tool import Tool
 from gcodesim.units import MM
+
+
+def _without(name: str, like: str | None) -> str:
+    """What is told of a paste without a constant."""
+    if like in WITHOUT_DATA:
+        return f"`paste` has no `{name}`, and there are no data of {like}: they differ by the water and the maker"
+    return f"`paste` has no `{name}`, and is like none that is known"
 
 
 @frozen
@@ -87,7 +94,7 @@ class Extruder(Tool):
             )
         if self.paste is not None:
             missing = self.paste.missing
-            found += [("paste", f"`paste` has no `{name}`, and is like none that is known") for name in missing]
+            found += [("paste", _without(name, self.paste.like)) for name in missing]
         return found
 
     def _positive(self) -> dict[str, float]:

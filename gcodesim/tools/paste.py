@@ -29,10 +29,13 @@ KNOWN: Final = {
         2070.0,
         3050.0,
         58.0 / MINUTE,
-        "Wolfs, Bos and Salet 2018, Cement and Concrete Research 106: printing mortar of Eindhoven, cohesion "
-        "3.05 kPa + 0.058 kPa/min over the first 90 min",
+        "Wolfs, Bos and Salet 2018, Cement and Concrete Research 106, 103: printing mortar of Eindhoven, cohesion "
+        "3.05 kPa + 0.058 kPa/min over the first 90 min; numbers from memory, not compared with the paper again",
     )
 }
+
+WITHOUT_DATA: Final = ("clay", "glue")
+"""Pastes that people print with, and of which the library has nothing: they differ by the water and the maker."""
 
 
 @frozen
@@ -42,9 +45,10 @@ class Paste:
     Friction between grains, buckling and drying are left out.
     """
 
-    like: Literal["concrete"] | None = key(
-        Choice(tuple(KNOWN)),
-        "a paste of the library, for what is not given; concrete: the printing mortar of Wolfs, Bos and Salet 2018",
+    like: Literal["concrete", "clay", "glue"] | None = key(
+        Choice((*KNOWN, *WITHOUT_DATA)),
+        "a paste of the library, for what is not given; concrete: the printing mortar of Wolfs, Bos and Salet 2018; of "
+        "clay and glue there are no data, so both have to be given",
         default=None,
     )
     density: float | None = key(
@@ -76,13 +80,13 @@ class Paste:
         return own if own is not None or known is None else getattr(known, name)
 
     def strength(self, age: float) -> float:
-        """Yield stress [Pa] after resting for `age` [s], growing evenly (Roussel 2006, Cem. Concr. Res. 36)."""
+        """Yield stress [Pa] after resting for `age` [s], growing evenly (Roussel 2006, Cem. Concr. Res. 36, 1797)."""
         return (self._of("yield_stress") or 0.0) + (self._of("structuration") or 0.0) * age
 
     def standing(self, age: float) -> float:
         """The greatest height [m] that material of this age carries: h = sqrt(3) yield stress / (density g).
 
-        Roussel 2018, Cement and Concrete Research 112: a layer below which nothing flows under the weight above it,
+        Roussel 2018, Cement and Concrete Research 112, 76: a layer below which nothing flows under the weight above it,
         free to all sides (von Mises).
         """
         return sqrt(3.0) * self.strength(age) / ((self._of("density") or 0.0) * GRAVITY)

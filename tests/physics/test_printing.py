@@ -94,6 +94,12 @@ def test_little_flow_is_told():
     assert "ask for 16.1 mm²" in ran.bad[0].message and "85% less" in ran.bad[0].message
 
 
+def test_what_lies_beside_the_plate_is_blamed_on_the_line_that_lays_it():
+    ran = run_texts(f"M83\nG28\nG1 X10 Y30 Z3 F6000\nG1 X310 E{bead_e(300.0):.4f} F1200\n", CELL)
+
+    assert [(f.code, f.span.line, f.count) for f in ran.bad] == [("GS522", 4, 1)]
+
+
 def wall(layers, missing=()):
     lines = ["M83", "G28", "M104 S200", "M106 S255"]
     for layer in range(layers):

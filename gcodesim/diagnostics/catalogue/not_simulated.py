@@ -119,22 +119,6 @@ CODES += (
         remedy="Give `at: [x, y, z]`, a point on the axis in machine coordinates.",
     ),
     Code(
-        code="GS940",
-        severity=Severity.NOTE,
-        title="An action has something to say",
-        what="An M-code called an action in Python (`m_codes: {M150: {call: NAME}}`), and this is what it said.",
-        why="It is the word of that action, not of gcodesim.",
-        remedy="Nothing, or what the action asks for.",
-    ),
-    Code(
-        code="GS941",
-        severity=Severity.ERROR,
-        title="An action found a fault",
-        what="An M-code called an action in Python, and the action said that something is wrong at this moment.",
-        why="It is the verdict of that action, not of gcodesim.",
-        remedy="Do what the message asks for; lower the severity by `checks: {GS941: warning}` if it is only a remark.",
-    ),
-    Code(
         code="GS930",
         severity=Severity.NOTE,
         title="Bodies of a machine overlap at the start",

@@ -411,6 +411,22 @@ CODES: tuple[Code, ...] = (
         remedy="Set the part down and open the gripper before the tool is changed.",
     ),
     Code(
+        code="GS580",
+        severity=Severity.NOTE,
+        title="An action has something to say",
+        what="An M-code called an action in Python (`m_codes: {M150: {call: NAME}}`), and this is what it said.",
+        why="It is the word of that action, not of gcodesim.",
+        remedy="Nothing, or what the action asks for.",
+    ),
+    Code(
+        code="GS581",
+        severity=Severity.ERROR,
+        title="An action found a fault",
+        what="An M-code called an action in Python, and the action said that something is wrong at this moment.",
+        why="It is the verdict of that action, not of gcodesim.",
+        remedy="Do what the message asks for; lower the severity by `checks: {GS581: warning}` if it is only a remark.",
+    ),
+    Code(
         code="GS590",
         severity=Severity.WARNING,
         title="Sensor reads too often",

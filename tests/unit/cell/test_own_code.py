@@ -110,12 +110,12 @@ def _ran(folder: Path) -> bool:
 def test_what_a_file_adds_works_where_it_is_allowed(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["run", "part.nc", "--cell", "cell.yaml", "--allow-code", "--format", "json"]) == 1
     results = json.loads(capsys.readouterr().out)
-    said = {(f["code"], f["line"]): f["message"] for f in results["findings"] if f["code"].startswith("GS94")}
+    said = {(f["code"], f["line"]): f["message"] for f in results["findings"] if f["code"].startswith("GS58")}
 
     assert _ran(folder)
-    assert re.fullmatch(r"own_count: call 1, X (299.9|300.0)\d*, P 4.0, T1", said["GS940", 5])
-    assert re.fullmatch(r"own_count: call 2, X (309.9|310.0)\d*, P None, T1", said["GS940", 10])
-    assert said["GS941", 11].startswith("own_count: call 3, X 3")
+    assert re.fullmatch(r"own_count: call 1, X (299.9|300.0)\d*, P 4.0, T1", said["GS580", 5])
+    assert re.fullmatch(r"own_count: call 2, X (309.9|310.0)\d*, P None, T1", said["GS580", 10])
+    assert said["GS581", 11].startswith("own_count: call 3, X 3")
     assert "own.py" in json.dumps(results["inputs"])
 
 
