@@ -61,7 +61,7 @@ class Mounted:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Coupling:
+class Docking:
     """From `begin` to `end` [s] the flange of a mover comes to the tool in its stand, or leaves it there."""
 
     mover: str
@@ -113,7 +113,7 @@ class CellSearch:
     mounted: Sequence[Mounted]
     grippers: Mapping[int, float]
     clearance: float | None = None
-    couplings: Sequence[Coupling] = ()
+    dockings: Sequence[Docking] = ()
     apart: frozenset[frozenset[str]] = frozenset()
     overlaps: list[tuple[CellBody, CellBody, float]] = field(default_factory=list)
     """Lying things that are drawn in each other, and since when [s]: they are not checked against each other."""
@@ -176,7 +176,7 @@ class CellSearch:
         first, last = float(self.way.time[0]), float(self.way.time[-1])
         ends = [stay.begin for stay in self.stays] + [stay.end for stay in self.stays]
         ends += [at for each in self.mounted for at in (each.begin, each.end)]
-        ends += [at for each in self.couplings for at in (each.begin, each.end)]
+        ends += [at for each in self.dockings for at in (each.begin, each.end)]
         times = sorted({first, last, *(float(at) for at in ends if first < at < last)})
         yield from pairwise(times)
 
@@ -265,7 +265,7 @@ class _Phase:
     stays: Mapping[str, Stay]
     places: Mapping[str, tuple[int, Pose]]
     tools: Mapping[str, int]
-    coupling: Collection[tuple[str, int]]
+    docking: Collection[tuple[str, int]]
 
     @staticmethod
     def of(search: CellSearch, begin: float, end: float) -> _Phase:
@@ -274,8 +274,8 @@ class _Phase:
         tools = {each.mover: each.tool for each in search.mounted if each.begin <= middle < each.end}
         places = {name: _place(search, name, stays) for name in stays}
         known = {name: at for name, at in places.items() if at is not None}
-        coupling = {(each.mover, each.tool) for each in search.couplings if each.begin <= middle < each.end}
-        return _Phase(search, begin, end, search.way.part(begin, end), stays, known, tools, coupling)
+        docking = {(each.mover, each.tool) for each in search.dockings if each.begin <= middle < each.end}
+        return _Phase(search, begin, end, search.way.part(begin, end), stays, known, tools, docking)
 
     @property
     def cell(self) -> CellBodies:
@@ -320,7 +320,7 @@ class _Phase:
         i, j = pairs[:, 0], pairs[:, 1]
         maybe = there[i] & there[j] & (moved_by[i] != moved_by[j])
         maybe &= (low[i] <= high[j]).all(axis=1) & (low[j] <= high[i]).all(axis=1)
-        for mover, number in self.coupling:
+        for mover, number in self.docking:
             flange = np.array([body.mover == mover and tree.is_flange(mover, body) for body in bodies])
             stand = np.array([body.stand == number for body in bodies])
             maybe &= ~((flange[i] & stand[j]) | (stand[i] & flange[j]))

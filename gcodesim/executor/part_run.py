@@ -19,7 +19,7 @@ from gcodesim.executor.switching import Switching
 from gcodesim.frames import WORLD, Array, Pose
 from gcodesim.frozen import frozen
 from gcodesim.processes.gripping import GRIP, GripEvent, Slid
-from gcodesim.scene import CarriedParts, Fall, Hold, PartChange, Stay
+from gcodesim.scene import CarriedParts, Fall, Hold, PartChange, Past, Stay
 from gcodesim.shop import BODIES, Shop
 from gcodesim.solids import Triangles, triangles_of
 from gcodesim.solids.mass import MassOfSkin, mass_of_skin
@@ -85,7 +85,7 @@ class PartRun:
             if body.role in ("fixture", "obstacle") and body.solids
         }
         self._counts = {name: _Count() for name in self.names}
-        self._past: dict[str, list[Stay]] = {name: [] for name in self.names}
+        self._past = {name: Past(name) for name in self.names}
         self._start = {name: shop.scene.at_rest(name) for name in self.names}
         self._floors = self._levels()
         self._holds: dict[str, tuple[int, Array, ContactHold | None]] = {}
@@ -191,15 +191,14 @@ class PartRun:
         begin = max(hold.step if fall is None else fall.end, 0) * self.dt
         stay = Stay(body=hold.body, parent=hold.parent, X=hold.X, begin=begin, holder=change.holder, room=change.room)
         past = self._past[hold.body]
-        if past:
-            past[-1] = replace(past[-1], end=max(hold.step, 0) * self.dt)
-        past.append(stay)
+        past.leave(max(hold.step, 0) * self.dt)
+        past.add(stay)
 
     def stays(self) -> list[Stay]:
         """Where each part has been, in the order of time; nowhere while it falls."""
         found = []
-        for name, past in self._past.items():
-            stand = self.shop.scene.frames[name]
+        for name, kept in self._past.items():
+            stand, past = self.shop.scene.frames[name], list(kept)
             first = past[0].begin if past else inf
             if first > 0.0:
                 found.append(Stay(body=name, parent=stand.parent, X=stand.X, end=first))

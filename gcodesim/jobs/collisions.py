@@ -23,7 +23,7 @@ from gcodesim.tools.gripper import Gripper
 if TYPE_CHECKING:
     from gcodesim.checks.cell_bodies import CellBody
     from gcodesim.checks.cell_collisions import Running
-    from gcodesim.checks.cell_meetings import Coupling, Mounted
+    from gcodesim.checks.cell_meetings import Docking, Mounted
     from gcodesim.jobs.job import Job
     from gcodesim.planning import Plan
 
@@ -96,7 +96,7 @@ def collisions(job: Job, stays: Sequence[Stay] | None, end: float | None = None)
         mounted=mounted,
         grippers={n: getattr(tool, "reach", 0.0) for n, tool in cell.tools.items() if isinstance(tool, Gripper)},
         clearance=cell.limits.clearance,
-        couplings=[each for own, plan in zip(shops, plans, strict=True) for each in _couplings(own, plan)],
+        dockings=[each for own, plan in zip(shops, plans, strict=True) for each in _dockings(own, plan)],
         apart=cell.limits.apart,
     )
 
@@ -223,9 +223,9 @@ def _mounted(shop: Shop, plan: Plan, last: float) -> list[Mounted]:
     ]
 
 
-def _couplings(shop: Shop, plan: Plan) -> Iterator[Coupling]:
+def _dockings(shop: Shop, plan: Plan) -> Iterator[Docking]:
     """When the flange of an arm comes to a tool in its stand, or leaves it there: in the row beside each change."""
-    from gcodesim.checks.cell_meetings import Coupling
+    from gcodesim.checks.cell_meetings import Docking
 
     path, law = plan.path, plan.trajectory
     if not shop.cell.magazine.stands or not len(path):
@@ -234,10 +234,10 @@ def _couplings(shop: Shop, plan: Plan) -> Iterator[Coupling]:
     for row in np.flatnonzero(np.diff(of_row) != 0).tolist():
         before, after = int(of_row[row]), int(of_row[row + 1])
         if after:
-            yield Coupling(mover=shop.name, tool=after, begin=float(law.row_start[row]), end=float(law.row_end[row]))
+            yield Docking(mover=shop.name, tool=after, begin=float(law.row_start[row]), end=float(law.row_end[row]))
         if before:
             begin, end = float(law.row_end[row]), float(law.row_end[row + 1])
-            yield Coupling(mover=shop.name, tool=before, begin=begin, end=end)
+            yield Docking(mover=shop.name, tool=before, begin=begin, end=end)
 
 
 def _joints_of(

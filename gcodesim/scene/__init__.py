@@ -3,7 +3,21 @@
 from gcodesim.scene.body import Body, Role
 from gcodesim.scene.carried import CarriedParts, Fall, PartChange
 from gcodesim.scene.mover import WORK, Mover
+from gcodesim.scene.past import Past
 from gcodesim.scene.scene import Hold, Scene, Stand
 from gcodesim.scene.stay import Stay
 
-__all__ = ["WORK", "Body", "CarriedParts", "Fall", "Hold", "Mover", "PartChange", "Role", "Scene", "Stand", "Stay"]
+__all__ = [
+    "WORK",
+    "Body",
+    "CarriedParts",
+    "Fall",
+    "Hold",
+    "Mover",
+    "PartChange",
+    "Past",
+    "Role",
+    "Scene",
+    "Stand",
+    "Stay",
+]
