@@ -58,6 +58,7 @@ class Shot(NamedTuple):
 GALLERY = {
     "agv.png": Shot("agv", 4.5, "--turn 110"),
     "bushing.png": Shot("bushing", 33.0, "--target 0 0 0.17 --span 0.35 --turn -25 --tilt 15"),
+    "concrete_wall.png": Shot("concrete_wall", 104.0, "--target 0.63 0 0.24 --span 0.85 --turn 60 --tilt 25"),
     "cut_and_blast.png": Shot("cut_and_blast", 4.8, "--target 0.425 0.28 -0.27 --span 0.22"),
     "cutters.png": Shot("cutters", 125.0, "--target 0.5 0.36 -0.3 --span 0.36 --tilt 35"),
     "flange.png": Shot("flange", None, "--target 0.4 0.3 -0.27 --span 0.3"),
@@ -68,9 +69,11 @@ GALLERY = {
     "quick_change.png": Shot("quick_change", 15.0, "--turn 60"),
     "rivets.png": Shot("rivets", None, "--target 0.43 0.315 -0.305 --span 0.13 --tilt 40"),
     "scan_heads.png": Shot("scan_heads", 2.2, "--target 0.46 0.28 -0.26 --span 0.4"),
-    "spray_two_arms.png": Shot("spray_two_arms", 4.0, "", ("holder=spray_two_arms.holder.nc",)),
-    "two_arms.png": Shot("two_arms", 20.0, "", ("right=two_arms.right.nc",)),
-    "welding.png": Shot("welding", 20.0),
+    "spray_two_arms.png": Shot(
+        "spray_two_arms", 6.0, "--target 0.78 0 0.72 --span 0.75", ("holder=spray_two_arms.holder.nc",)
+    ),
+    "two_arms.png": Shot("two_arms", 20.0, "--target 0.77 0 0.42 --span 0.75", ("right=two_arms.right.nc",)),
+    "welding.png": Shot("welding", 20.0, "--target 0.6 -0.01 0.3 --span 0.5"),
 }
 
 
