@@ -13,7 +13,7 @@ from gcodesim.cell.placing import POINT, Place, names_of
 from gcodesim.declarations.composed import ListOf
 from gcodesim.declarations.file_kind import File, FileValue
 from gcodesim.declarations.keys import all_keys, inline, key
-from gcodesim.declarations.kind import Json, Kind, Range, scalar, short
+from gcodesim.declarations.kind import POSITIVE, Json, Kind, Range, scalar, short
 from gcodesim.declarations.map_of import MapOf
 from gcodesim.declarations.mesh_shape import LENGTH_UNIT, MeshShape, mesh_shape
 from gcodesim.declarations.nodes import Listing, Node
@@ -312,6 +312,13 @@ class StockSpec(ShapeKeys):
     place: Place = inline(Place)
     material: str | None = key(
         _MaterialName(), "id or alias of a material; without one it is cut without force", default=None
+    )
+    density: float | None = key(
+        Quantity("density", POSITIVE),
+        "for its mass; without it, that of the pure metal that the material mostly is",
+        default=None,
+        example="2.7 g/cm^3",
+        quiet=True,
     )
     resolution: float | None = key(Quantity("length", _GRID), "grid of the stock", default=None, example="0.2 mm")
     bore: float | None = key(

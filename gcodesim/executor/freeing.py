@@ -21,8 +21,8 @@ from gcodesim.processes.window import ProcessStep, Window
 if TYPE_CHECKING:
     from gcodesim.executor.targets import Bounds
     from gcodesim.executor.tasks import Task
+    from gcodesim.material.kernels import BodyWays
     from gcodesim.material.loose import Kept, PartedPiece, Parting
-    from gcodesim.material.loose_kernels import Ways
 
 YIELDS: Final = 1e-3
 """How far [m] a cut may be beside the way that was commanded: more than any arm yields."""
@@ -129,9 +129,9 @@ class Freeing:
         last = int(own[np.flatnonzero(gap <= gap.min() + 1e-9)[-1]])
         return int(window.piece_step[last]), int(self._row[last])
 
-    def _ways(self, begin: int, end: int) -> Ways:
+    def _ways(self, begin: int, end: int) -> BodyWays:
         """Where the process may take material in steps `begin` to `end`."""
-        from gcodesim.material.loose_kernels import Ways
+        from gcodesim.material.kernels import BodyWays
 
         window = self._window
         first, last = np.searchsorted(window.piece_step, [begin, end])
@@ -144,7 +144,7 @@ class Freeing:
         turn = axis - before
         bulge = max(zone.above, zone.below) * dots(turn, turn)  # a turning axis comes farther out than its chord
         across = (zone.radius + YIELDS + bulge)[:, None]
-        return Ways(
+        return BodyWays(
             np.ascontiguousarray(starts, dtype=float),
             np.ascontiguousarray(ends, dtype=float),
             np.minimum(along.min(axis=0), 0.0) - across,

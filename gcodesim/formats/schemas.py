@@ -97,6 +97,16 @@ def _results() -> Json:
                         cell_mm=array("size of a cell of the map", number("along x and y")),
                     ),
                 ),
+                body=record(
+                    "the stock at the end as a body of even density, without what fell; not where nothing is left",
+                    density_kg_m3=nullable(number("what the cell says, or that of the pure metal; null: not known")),
+                    density_of=text("the pure metal whose density was taken, empty where the cell gives one"),
+                    mass_kg=nullable(number("kg")),
+                    center_mm=array("the centre of mass in the stock's own frame", number("x, y, z")),
+                    inertia_kg_mm2=nullable(
+                        array("moments of inertia about it, three rows", array("a row", number("kg·mm²")))
+                    ),
+                ),
                 fallen=array(
                     "pieces that came loose and fell out of the stock, if any",
                     record(
@@ -228,6 +238,7 @@ def _paces() -> dict[str, Json]:
         "mean_feed_mm_min": number("mean speed of feed moves"),
         "least_feed_mm_min": number("least speed of feed moves"),
         "share_at_feed": number("share of the time of feed moves at the programmed feed, to 1 %"),
+        "air_share": nullable(number("share of the time of feed moves in the air; null where nothing was cut")),
     }
 
 

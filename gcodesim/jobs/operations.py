@@ -28,16 +28,23 @@ _SAID: Final = re.compile(r".*\boperation\s*[:=]\s*(.+)", re.IGNORECASE)
 
 @frozen(eq=False)
 class RowTimes:
-    """What is known of the rows of a path (n,): `time` [s], `distance` [m] and paces; and where the machine stood."""
+    """What is known of the rows of a path (n,): `time` [s], `distance` [m] and paces; and where the machine stood.
+
+    `engaged` [s]: how long the tool acted on something; None where nothing was cut, as in a check.
+    """
 
     time: Array
     distance: Array
     paces: RowPaces
     stands: Sequence[tuple[int, Span, float]]
+    engaged: Array | None = None
 
 
 def pace_figures(rows: NDArray[np.bool_], path: ToolPath, known: RowTimes) -> dict[str, Any]:
-    """How fast the feed moves among these rows (n,) ran: mean, least, share of the time at the programmed feed."""
+    """How the feed moves among these rows (n,) ran: mean and least speed, share of the time at the programmed feed.
+
+    And the share of the time in which the tool was in the air.
+    """
     feeds = (path.kind != RAPID) & (path.kind != HOME)
     fed, ran = rows & feeds, known.time > 0.0
     seconds, metres = float(known.time[fed].sum()), float(known.distance[fed].sum())
@@ -47,7 +54,13 @@ def pace_figures(rows: NDArray[np.bool_], path: ToolPath, known: RowTimes) -> di
         "mean_feed_mm_min": rounded(metres / seconds / MM_PER_MINUTE if seconds else 0.0),
         "least_feed_mm_min": rounded(float(least.min()) / MM_PER_MINUTE if len(least) else 0.0),
         "share_at_feed": rounded(reached / seconds if seconds else 0.0),
+        "air_share": None if known.engaged is None else _air_share(known.time[fed], known.engaged[fed]),
     }
+
+
+def _air_share(time: Array, engaged: Array) -> float:
+    whole = float(time.sum())
+    return rounded(1.0 - float(np.minimum(engaged, time).sum()) / whole if whole else 0.0)
 
 
 def operation_rows(

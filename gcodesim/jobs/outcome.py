@@ -21,6 +21,7 @@ from gcodesim.jobs.operations import RowTimes, operation_rows, pace_figures
 from gcodesim.jobs.paces import row_paces
 from gcodesim.jobs.printing import printing_of
 from gcodesim.jobs.results import (
+    BodyResult,
     DoseResult,
     FallenPiece,
     Results,
@@ -34,7 +35,9 @@ from gcodesim.jobs.results import (
 from gcodesim.motion.tool_path import HOME, RAPID
 from gcodesim.numbers import rounded
 from gcodesim.processes.column import LINES, RESULTS
-from gcodesim.shop import Shop
+from gcodesim.processes.melting import METALS, mostly
+from gcodesim.shop import PlacedStock, Shop
+from gcodesim.solids.mass import mass_of_skin
 from gcodesim.units import MM
 from gcodesim.version import __version__
 
@@ -144,7 +147,8 @@ def _results_of(job: Job, execution: Execution | None, *, failed: bool) -> Resul
     stands = [(rest.row, rest.event.span, rest.duration) for rest in rests]
     own = shop.sheet.own(RESULTS)
     paces = row_paces(plan.trajectory)
-    known = RowTimes(time=row_time, distance=length, paces=paces, stands=stands)
+    engaged = None if totals is None or job.options.only == "motion" else totals["engaged"]
+    known = RowTimes(time=row_time, distance=length, paces=paces, stands=stands, engaged=engaged)
     return Results(
         status="failed" if failed else "findings" if bad else "ok",
         stopped_at=stopped,
@@ -154,9 +158,7 @@ def _results_of(job: Job, execution: Execution | None, *, failed: bool) -> Resul
         feed_distance=float(length[~rapid].sum()),
         rapid_distance=float(length[rapid].sum()),
         stocks={} if execution is None else _stock_results(shop, execution, job.fallen),
-        tools=tool_rows(
-            path, names, row_time, length, totals, own, lambda rows: pace_figures(rows, path, known)
-        ),
+        tools=tool_rows(path, names, row_time, length, totals, own, lambda rows: pace_figures(rows, path, known)),
         operations=operation_rows(path, job.program.name, job.program.table, names, known),
         joints=_joints(plan, shop, execution),
         not_simulated=_not_simulated(job),
@@ -296,8 +298,27 @@ def _stock_results(
             turned=_turned(cast("Revolved", stock)) if placed.revolved else None,
             doses={} if placed.revolved else _doses(stock),
             fallen=pieces,
+            body=_body(placed),
         )
     return results
+
+
+def _body(placed: PlacedStock) -> BodyResult | None:
+    """What a stock is as a body, as far as its density is known; None where nothing is left of it."""
+    stock, density, pure = placed.stock, placed.spec.density, ""
+    if density is None:
+        pure = mostly(placed.material) or ""
+        density = METALS[pure].density if pure else None
+    if placed.revolved:
+        skin = stock.surface()
+        body = mass_of_skin(skin.vertices, skin.faces, 1.0) if len(skin.faces) else None
+    else:
+        from gcodesim.material.moments import mass_of_stock
+
+        body = mass_of_stock(stock, 1.0)
+    if body is None:
+        return None
+    return BodyResult(volume=stock.volume, center=body.center, inertia=body.inertia, density=density, pure=pure)
 
 
 def _doses(stock: Stock) -> dict[str, DoseResult]:

@@ -100,6 +100,34 @@ class DoseResult:
         }
 
 
+@frozen(eq=False)
+class BodyResult:
+    """A stock at the end as a body of even density, in its own frame S; SI. Without a `density` nothing is weighed.
+
+    `center` (3,) of mass; `inertia` (3, 3) about it, divided by the mass; `pure`: the metal whose density was taken.
+    """
+
+    volume: float
+    center: Array
+    inertia: Array
+    density: float | None
+    pure: str = ""
+
+    @property
+    def mass(self) -> float | None:
+        return None if self.density is None else self.density * self.volume
+
+    def as_json(self) -> dict[str, Any]:
+        mass, inertia = self.mass, self.inertia.tolist()
+        return {
+            "density_kg_m3": None if self.density is None else rounded(self.density),
+            "density_of": self.pure,
+            "mass_kg": None if mass is None else rounded(mass),
+            "center_mm": [rounded(value / MM) for value in self.center.tolist()],
+            "inertia_kg_mm2": None if mass is None else [[rounded(v * mass / MM**2) for v in row] for row in inertia],
+        }
+
+
 @frozen
 class StockResult:
     """One stock at the end; volumes [m³], resolution [m]. What fell out of it in pieces remains: it is not in chips.
@@ -118,6 +146,7 @@ class StockResult:
     turned: TurnedResult | None = None
     doses: Mapping[str, DoseResult] = field(default_factory=dict)
     fallen: Sequence[FallenPiece] = ()
+    body: BodyResult | None = None
 
     def as_json(self) -> dict[str, Any]:
         return {
@@ -128,6 +157,7 @@ class StockResult:
             "remaining_mm3": rounded(self.remaining / MM3),
             "resolution_mm": rounded(self.resolution / MM),
             "error_bound_mm3": rounded(self.error_bound / MM3),
+            **({} if self.body is None else {"body": self.body.as_json()}),
             **({} if self.force is None else {"max_force_N": rounded(self.force)}),
             **({} if self.turned is None else self.turned.as_json()),
             **({"doses": {name: dose.as_json() for name, dose in self.doses.items()}} if self.doses else {}),

@@ -16,6 +16,7 @@ from gcodesim.material.field_kernels import (
     top_nearby,
 )
 from gcodesim.material.form_kernels import remove_form, touch_form
+from gcodesim.material.loose_kernels import BodyWays
 from gcodesim.material.pass_kernels import PassPieces
 from gcodesim.material.place_kernels import (
     ELSEWHERE,
@@ -47,6 +48,7 @@ from gcodesim.material.wall_kernels import beyond_columns
 __all__ = [
     "ELSEWHERE",
     "Bead",
+    "BodyWays",
     "Field",
     "Found",
     "PassPieces",

@@ -16,7 +16,7 @@ from gcodesim.material.field_kernels import PATCH
 
 if TYPE_CHECKING:
     from gcodesim.material.lattice import Lattice
-    from gcodesim.material.loose_kernels import Blocks, PieceSizes, Ways
+    from gcodesim.material.loose_kernels import BodyWays, PatchCopies, PieceSizes
     from gcodesim.material.stock import Stock
 
 Array = NDArray[np.float64]
@@ -42,7 +42,7 @@ class Kept(NamedTuple):
     """A stock before a cut, as far as the cut may change it: marked patches, their contents, and what links these."""
 
     within: Bytes
-    blocks: Blocks
+    blocks: PatchCopies
     links: NDArray[np.int64]
     dirty: Bytes
     tops: Array
@@ -79,9 +79,9 @@ class Parting:
         self.whole = self.whole and from_above
         return not safe
 
-    def keep(self, ways: Ways) -> Kept:
+    def keep(self, ways: BodyWays) -> Kept:
         """Remember what a body may change on these ways."""
-        from gcodesim.material.loose_kernels import Blocks, copy_blocks, count_links, mark_patches
+        from gcodesim.material.loose_kernels import PatchCopies, copy_blocks, count_links, mark_patches
 
         stock, field = self._stock, self._stock.field
         beside = BESIDE * stock.cell
@@ -89,7 +89,7 @@ class Parting:
         mark_patches(field.grid, ways._replace(low=ways.low - beside, high=ways.high + beside), within)
         patch = np.argwhere(within).astype(np.int64)
         m, k = len(patch), field.columns.lo.shape[2]
-        blocks = Blocks(
+        blocks = PatchCopies(
             patch=patch,
             lo=np.empty((m, PATCH, PATCH, k)),
             hi=np.empty((m, PATCH, PATCH, k)),

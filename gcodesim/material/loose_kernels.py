@@ -29,7 +29,7 @@ class PieceSizes(NamedTuple):
     high: Array
 
 
-class Blocks(NamedTuple):
+class PatchCopies(NamedTuple):
     """A copy of m patches: which ones, `patch` (m, 2), and of each the columns and the walls at their borders.
 
     lo, hi (m, 16, 16, k); number (m, 16, 16); walls (m, 8, 17, 17).
@@ -42,7 +42,7 @@ class Blocks(NamedTuple):
     walls: Singles
 
 
-class Ways(NamedTuple):
+class BodyWays(NamedTuple):
     """Straight ways of a tool's tip from `starts` to `ends` (c, 3), and how far its body reaches beside the tip.
 
     `low`, `high` (c, 2): along x and y [m].
@@ -55,7 +55,7 @@ class Ways(NamedTuple):
 
 
 @kernel
-def mark_patches(grid: Grid, ways: Ways, within: Bytes) -> None:
+def mark_patches(grid: Grid, ways: BodyWays, within: Bytes) -> None:
     """Mark all patches (px, py) above or below which a body may be on its ways."""
     for c in range(len(ways.starts)):
         wx, wy = ways.ends[c, 0] - ways.starts[c, 0], ways.ends[c, 1] - ways.starts[c, 1]
@@ -74,7 +74,7 @@ def mark_patches(grid: Grid, ways: Ways, within: Bytes) -> None:
 
 
 @kernel
-def exchange(field: Field, blocks: Blocks) -> None:
+def exchange(field: Field, blocks: PatchCopies) -> None:
     """Put the blocks in place of their patches, and these into the blocks."""
     lo, hi, count = field.columns
     for m in range(len(blocks.patch)):
@@ -91,7 +91,7 @@ def exchange(field: Field, blocks: Blocks) -> None:
 
 
 @kernel
-def copy_blocks(field: Field, blocks: Blocks, back: int) -> None:
+def copy_blocks(field: Field, blocks: PatchCopies, back: int) -> None:
     """Fill the blocks from their patches; with `back` put them into their patches again."""
     lo, hi, count = field.columns
     walls = field.walls
@@ -196,7 +196,7 @@ def _number_from(columns: Columns, within: Bytes, label: Ints, waiting: Longs, a
 
 
 @kernel
-def find_parents(columns: Columns, label: Ints, blocks: Blocks, before: Ints, parent: Ints) -> None:
+def find_parents(columns: Columns, label: Ints, blocks: PatchCopies, before: Ints, parent: Ints) -> None:
     """The number (pieces,) in `before`, when `blocks` were there, of each piece or of that of which it is a part.
 
     Pieces that have nothing in these patches keep 0.

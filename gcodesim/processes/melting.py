@@ -42,11 +42,16 @@ def melting_energy(metal: Metal, start: float = ROOM) -> float:
 
 def melted(material: Material | None) -> float | None:
     """Energy [J/m³] that melts a material of the library by the metal it mostly is; None where that is not known."""
+    metal = mostly(material)
+    return None if metal is None else melting_energy(METALS[metal])
+
+
+def mostly(material: Material | None) -> str | None:
+    """Which of `METALS` a material of the library mostly is; None where that is not known."""
     if material is None:
         return None
     name = f"{material.id} {material.name}".lower()
     metal = next((metal for word, metal in _NAMES if word in name), None)
     if metal is None and (name.startswith("al") or "alumin" in name or " al " in name):
         metal = "aluminium"
-    metal = metal or _ISO.get(material.iso[:1])
-    return None if metal is None else melting_energy(METALS[metal])
+    return metal or _ISO.get(material.iso[:1])

@@ -8,13 +8,14 @@ from typing import Any, Final
 from gcodesim.regress.changes import Change
 from gcodesim.regress.tolerance import DEFAULTS, QUANTITIES, Tolerances, quantity_of
 
-TOOL_PACES: Final = ("mean_feed_mm_min", "least_feed_mm_min", "share_at_feed")
+TOOL_PACES: Final = ("mean_feed_mm_min", "least_feed_mm_min", "share_at_feed", "air_share")
 """How fast feed moves of a tool ran."""
 
 # keys that identify a run or place a number, but are not results; findings are compared separately
 _NOT_COMPARED: Final = frozenset(
     {
         "operations",  # as their comments call them; what they are made of is compared
+        "body",  # it follows from the surface
         *TOOL_PACES,  # they follow from the time law, as the times do
         *("inputs", "schema", "findings", "stopped_at"),
         *("line_of_max_force", "line_of_margin", "first_line", "error_bound_mm3"),

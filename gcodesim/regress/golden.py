@@ -25,7 +25,7 @@ _RESULTS: Final = (
 _PLACES: Final = (
     *TOOL_PACES,
     *("line_of_max_force", "line_of_margin", "first_line", "error_bound_mm3", "file", "line"),
-    *("program", "blocks", "line_of_AT", "time_of_AT_s"),
+    *("body", "program", "blocks", "line_of_AT", "time_of_AT_s"),
 )
 _OF_FINDING: Final = ("code", "severity", "file", "line", "count", "message")
 

@@ -51,6 +51,9 @@ def summary_rows(results: Results) -> list[list[str]]:
         if stock.deposited:
             rows.append([f"{name}: deposited", f"{value['deposited_mm3']:.1f} mm³", bound])
         rows.append([f"{name}: remaining", f"{value['remaining_mm3']:.1f} mm³"])
+        if stock.body is not None and stock.body.mass is not None:
+            remark = f"as pure {stock.body.pure}" if stock.body.pure else ""
+            rows.append([f"{name}: mass", _mass(stock.body.mass), remark])
         if stock.force:
             rows.append([f"{name}: greatest force", f"{stock.force:.1f} N"])
         if value.get("fallen"):
@@ -89,6 +92,10 @@ def summary_rows(results: Results) -> list[list[str]]:
     words = ", ".join(f"{entry['word']} ({entry['count']})" for entry in results.not_simulated)
     rows.append(["words not simulated", str(count), words])
     return rows
+
+
+def _mass(mass: float) -> str:
+    return f"{mass:.3f} kg" if mass >= 1.0 else f"{mass * 1e3:.1f} g"
 
 
 def _target_rows(target: TargetResult) -> list[list[str]]:

@@ -124,7 +124,8 @@ def _print_times(report: TimeReport) -> None:
     print_table(rows)
     if report.operations:
         print("\nby operation: from one tool change, or one comment that stands alone, to the next")
-        rows = [["operation", "tool", "lines", "time", "", "at feed", "mean", "least", "share at the feed"]]
+        head = ["operation", "tool", "lines", "time", "", "at feed", "mean", "least", "share at the feed", "in the air"]
+        rows = [head]
         for one in report.operations:
             rows.append(
                 [
@@ -137,6 +138,7 @@ def _print_times(report: TimeReport) -> None:
                     f"{one['mean_feed_mm_min']:.0f} mm/min",
                     f"{one['least_feed_mm_min']:.0f} mm/min",
                     f"{100.0 * one['share_at_feed']:.0f} %",
+                    "" if one.get("air_share") is None else f"{100.0 * one['air_share']:.0f} %",
                 ]
             )
         print_table(rows)

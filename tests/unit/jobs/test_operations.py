@@ -9,7 +9,7 @@ import pytest
 
 from gcodesim.cell.loader import read_cell
 from gcodesim.diagnostics import SourceText
-from gcodesim.simulation import check, prepare
+from gcodesim.simulation import check, prepare, run
 
 CELL = """gcodesim: 1
 machine:
@@ -67,3 +67,37 @@ def test_passes_of_a_loop_belong_to_their_operation() -> None:
 
 def test_a_program_without_feed_has_none() -> None:
     assert results("G0 X10\nM2\n")["operations"] == []
+
+
+def test_the_share_in_the_air_is_that_of_feed_moves_beside_the_stock() -> None:
+    """Of 40 mm at a constant feed the tool, 6 mm wide, cuts in 10 mm of stock for 13; a check does not know."""
+    stock = "stock: {box: [10, 40, 5], zero: top-left-center, in: cell, material: brass, resolution: 0.5}\n"
+    more = "frames: {cell: {in: world, xyz: [0, 0, 0]}}\nwork_offsets: {G54: {in: cell}}\n"
+    program = "(Cut)\nT1 M6\nS1000 M3\nG0 X-15 Z0\nG1 Z-1 F6000\nX25 F60\nG0 Z9\nM2\n"
+    loaded = read_cell(SourceText("cell.yaml", (CELL + more + stock).encode()), Path("cell.yaml"))
+    job = prepare(SourceText("a.ngc", (HEAD + program).encode()), loaded)
+    assert check(job).as_json()["operations"][0]["air_share"] is None
+
+    ran = run(prepare(SourceText("a.ngc", (HEAD + program).encode()), loaded), None)[0].as_json()
+    assert ran["operations"][0]["air_share"] == pytest.approx(27.0 / 40.0, abs=0.02)
+    assert ran["tools"][0]["air_share"] == ran["operations"][0]["air_share"]
+
+
+@pytest.mark.parametrize(("density", "kilograms", "pure"), [("", 8.96, "copper"), (", density: 8.4 g/cm^3", 8.4, "")])
+def test_what_is_left_has_a_mass(density: str, kilograms: float, pure: str) -> None:
+    """40 x 20 x 10 mm of brass weigh as much copper, unless the cell knows better; wood has a centre but no mass."""
+    stock = f"stock: {{box: [40, 20, 10], zero: top-center, in: cell, material: brass{density}, resolution: 0.5}}\n"
+    more = "frames: {cell: {in: world, xyz: [0, 0, 0]}}\nwork_offsets: {G54: {in: cell}}\n"
+    found = []
+    for material in ("brass", "beech"):
+        text = CELL + more + stock.replace("brass", material)
+        loaded = read_cell(SourceText("cell.yaml", text.encode()), Path("cell.yaml"))
+        ran = run(prepare(SourceText("a.ngc", (HEAD + "G0 Z50\nM2\n").encode()), loaded), None)[0]
+        found.append(ran.as_json()["stocks"]["stock"]["body"])
+    metal, wood = found
+
+    assert metal["mass_kg"] == pytest.approx(8e-3 * kilograms)
+    assert (metal["density_of"], wood["density_of"]) == (pure, "")
+    assert metal["center_mm"] == wood["center_mm"] == pytest.approx([0.0, 0.0, -5.0], abs=1e-9)
+    assert metal["inertia_kg_mm2"][2] == pytest.approx([0.0, 0.0, 8e-3 * kilograms * 2000.0 / 12.0], abs=1e-6)
+    assert (wood["mass_kg"] is None) == (not density)

@@ -9,7 +9,7 @@ import pytest
 
 from gcodesim.material.axis_way import AxisWay
 from gcodesim.material.loose import PartedPiece, Parting
-from gcodesim.material.loose_kernels import Ways
+from gcodesim.material.loose_kernels import BodyWays
 from gcodesim.material.shape import flat
 from gcodesim.material.solid_of_revolution import slabs_of_outline
 from gcodesim.material.stock import Stock
@@ -25,7 +25,7 @@ def parted_by(stock: Stock, cut: Callable[[Stock], None], reach: float = 100.0) 
     """What comes loose in a cut that stays within `reach` [mm] of the middle."""
     parting = Parting(stock)
     middle, beside = np.array([[30.0, 20.0, 0.0]]) * MM, np.full((1, 2), reach * MM)
-    kept = parting.keep(Ways(middle, middle, -beside, beside))
+    kept = parting.keep(BodyWays(middle, middle, -beside, beside))
     cut(stock)
     parted = parting.parted(kept)
     return [] if parted is None else parting.take_out(parted)
@@ -106,7 +106,7 @@ def test_what_is_put_back_is_as_it_was() -> None:
         frame_cut(each, depth=2.0)
     parting = Parting(stock)
     middle, beside = np.array([[30.0, 20.0, 0.0]]) * MM, np.full((1, 2), 12 * MM)
-    kept = parting.keep(Ways(middle, middle, -beside, beside))
+    kept = parting.keep(BodyWays(middle, middle, -beside, beside))
     frame_cut(stock)
     stock.grow()
     parting.put_back(kept)
