@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from typing import Any, Final
 
@@ -14,6 +15,7 @@ _NUMBER: Final = (int, float)
 _TEXT: Final = (str,)
 _PARTS: Final[Mapping[str, tuple[type, ...]]] = {
     "status": _TEXT,
+    "inputs": (dict,),
     "findings": (list,),
     "time": (dict,),
     "distance": (dict,),
@@ -22,13 +24,22 @@ _PARTS: Final[Mapping[str, tuple[type, ...]]] = {
     "joints": (list,),
     "not_simulated": (list,),
 }
+_OPTIONAL: Final = (*_NUMBER, type(None))
+_OF_JOINTS: Final = ("least", "most", "margin", "max_speed", "max_acceleration", "max_effort")
+_OF_OPERATIONS: Final = (
+    *("tool", "first_line", "last_line", "time_s", "feed_mm"),
+    *("mean_feed_mm_min", "least_feed_mm_min", "share_at_feed"),
+)
 _ENTRIES: Final[Mapping[str, Mapping[str, tuple[type, ...]]]] = {
     "findings": {"code": _TEXT, "severity": _TEXT, "message": _TEXT, "file": _TEXT, "line": (int,)},
-    "tools": {"number": (int,), "time_s": _NUMBER, "removed_mm3": _NUMBER},
-    "joints": {"name": _TEXT, "unit": _TEXT},
+    "tools": {"number": (int,), "time_s": _NUMBER, "removed_mm3": _NUMBER, "feed_mm": _OPTIONAL},
+    "joints": {"name": _TEXT, "unit": _TEXT, **dict.fromkeys(_OF_JOINTS, _OPTIONAL)},
     "not_simulated": {"word": _TEXT, "count": (int,)},
+    "operations": {"name": _TEXT, **dict.fromkeys(_OF_OPERATIONS, _NUMBER)},
 }
-_OPTIONAL: Final = (*_NUMBER, type(None))
+_WITH_UNIT: Final = re.compile(r".*_(?:s|mm[23]?|mm_min|um|deg|N|Nm|W|J|J_m2?)")
+_MOST: Final = 1e15
+"""No quantity of a run is as large as this in its unit."""
 _SEVERITIES: Final = ("note", "warning", "error")
 
 
@@ -48,7 +59,7 @@ def results_from(data: bytes) -> dict[str, Any]:
         if not isinstance(value.get(key), kinds):
             raise NoResultsError(f"there is no proper `{key}`")
     for key, fields in _ENTRIES.items():
-        for entry in value[key]:
+        for entry in _list_of(value, key):
             if not isinstance(entry, dict):
                 raise NoResultsError(f"an entry of `{key}` is none")
             for name, kinds in fields.items():
@@ -59,7 +70,31 @@ def results_from(data: bytes) -> dict[str, Any]:
             raise NoResultsError("an entry of `findings` has no proper severity or time")
     if not all(isinstance(seconds, _NUMBER) for seconds in value["time"].values()):
         raise NoResultsError("there is no proper `time`")
+    _check_quantities(value)
     return value
+
+
+def _list_of(value: dict[str, Any], key: str) -> list[Any]:
+    """A list of the results, empty if there is none."""
+    found = value.get(key, [])
+    if not isinstance(found, list):
+        raise NoResultsError(f"there is no proper `{key}`")
+    return found
+
+
+def _check_quantities(value: Any, key: str = "") -> None:
+    """NoResultsError where a name has a unit and no number, and where a list has an empty entry."""
+    if isinstance(value, dict) and not _WITH_UNIT.fullmatch(key):
+        for name, inner in value.items():
+            _check_quantities(inner, name)
+    elif isinstance(value, list):
+        no_list = bool(_WITH_UNIT.fullmatch(key)) and not key.endswith("_mm")  # places and outlines are lists
+        for inner in value:
+            if inner is None or no_list:
+                raise NoResultsError(f"an entry of `{key}` is none")
+            _check_quantities(inner, key)
+    elif _WITH_UNIT.fullmatch(key) and value is not None and not (isinstance(value, _NUMBER) and abs(value) < _MOST):
+        raise NoResultsError(f"`{key}` is no number")
 
 
 def final_findings(log: LogFile, told: tuple[LogEvent, ...]) -> tuple[LogEvent, ...]:

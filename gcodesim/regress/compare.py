@@ -90,7 +90,7 @@ def _by_name(entries: Sequence[Any]) -> dict[str, Mapping[str, Any]]:
 
     Entries without names, as the points of an outline, are left out: surfaces are compared by themselves.
     """
-    named = [(i, entry) for i, entry in enumerate(entries) if not isinstance(entry, list | int | float)]
+    named = [(i, entry) for i, entry in enumerate(entries) if isinstance(entry, Mapping)]
     return {entry_name(entry, i): entry for i, entry in named}
 
 
