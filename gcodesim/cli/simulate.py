@@ -159,7 +159,7 @@ def _live(arguments: argparse.Namespace) -> LiveView | None:
     from gcodesim.log.live import LiveView, LiveViewError
 
     try:
-        live = LiveView(arguments.live)
+        live = LiveView(arguments.live, arguments.live_from)
     except LiveViewError as reason:
         raise UsageError(str(reason)) from None
     note(f"live at {live.address} : open this as a Foxglove WebSocket connection in Foxglove or Lichtblick")

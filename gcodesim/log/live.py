@@ -8,7 +8,7 @@ that does not keep up misses the oldest messages.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from threading import Lock
 from typing import Any, Final
 
@@ -30,8 +30,11 @@ class LiveViewError(Exception):
 class LiveView:
     """A websocket on this machine, at `port`, to which a `Container` hands its messages as they come."""
 
-    def __init__(self, port: int) -> None:
-        """Listen; port 0 is any free one. LiveViewError if that fails, ExtraMissingError without the library."""
+    def __init__(self, port: int, origins: Collection[str] = ()) -> None:
+        """Listen; port 0 is any free one, `origins` are those of further pages that may watch.
+
+        LiveViewError if that fails, ExtraMissingError without the library.
+        """
         require_extra("live", "a live view")
         import foxglove
         from foxglove.websocket import Capability
@@ -42,7 +45,7 @@ class LiveView:
         self._last: dict[int, Callable[[], tuple[int, bytes]]] = {}
         self._lock = Lock()  # between the run and viewers that arrive
         try:
-            self._door = Door(port)
+            self._door = Door(port, origins)
         except OSError as error:
             raise LiveViewError(f"a live view cannot listen at port {port}: {error.strerror}") from None
         host = hidden_host()

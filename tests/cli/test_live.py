@@ -54,3 +54,9 @@ def test_without_the_package_nothing_is_begun(cli, tmp_path: Path, monkeypatch: 
     done = cli("run", "slot.nc", "--cell", "cell.yaml", "--live")
     assert done.status == 2 and "needs the extra `live`" in done.err and "foxglove-sdk" in done.err
     assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize("value", ["viewer.example.org", "https://viewer/x", "null"])
+def test_what_is_no_origin(cli, value: str) -> None:
+    done = cli("run", "slot.nc", "--cell", "cell.yaml", "--live", "0", f"--live-from={value}")
+    assert done.status == 2 and f"'{value}' is no origin of pages" in done.err

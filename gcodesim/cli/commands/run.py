@@ -61,6 +61,15 @@ def add_parser(commands: Any) -> None:
         help=f"show the log in a viewer while it is computed, at ws://localhost:PORT (default {PORT}; 0: any free one)",
     )
     parser.add_argument(
+        "--live-from",
+        type=_origin,
+        action="append",
+        default=[],
+        metavar="ORIGIN",
+        help="let a viewer on the pages of another host watch, such as https://viewer.example.org (repeatable); pages "
+        "of this machine and of Foxglove may, with the token of the printed address",
+    )
+    parser.add_argument(
         "--gui",
         action="store_true",
         help="show the run in pybullet's own window; a click on a body prints its name, frame and cell line",
@@ -84,6 +93,15 @@ def _port(text: str) -> int:
     if not (text.isascii() and text.isdigit() and int(text) < 1 << 16):
         raise argparse.ArgumentTypeError(f"'{text}' is no port from 0 to 65535; without a number write --live last")
     return int(text)
+
+
+def _origin(text: str) -> str:
+    from gcodesim.log.live_door import is_origin
+
+    origin = text.rstrip("/").lower()
+    if not is_origin(origin):
+        raise argparse.ArgumentTypeError(f"'{text}' is no origin of pages, such as https://viewer.example.org")
+    return origin
 
 
 def run(arguments: argparse.Namespace) -> int:

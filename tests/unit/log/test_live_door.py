@@ -9,7 +9,7 @@ from websockets.exceptions import InvalidStatus
 from websockets.sync.client import connect
 
 from gcodesim.log.live import LiveView
-from gcodesim.log.live_door import hidden_host, may_enter
+from gcodesim.log.live_door import hidden_host, is_origin, may_enter
 
 TOKEN = "right"
 
@@ -33,14 +33,23 @@ def head(path: str = "/", *fields: str) -> bytes:
         *("data:text/html,x", "blob:https://evil.example", "//localhost", "http://[", "localhost"),
     ],
 )
-def test_a_page_of_another_site_needs_the_token(origin: str) -> None:
+def test_a_page_of_another_site_may_not_enter_with_the_token_either(origin: str) -> None:
     for name in ("Origin", "origin", "ORIGIN "):
         assert not may_enter(head("/", f"{name}: {origin}"), TOKEN)
         assert not may_enter(head("/", "Origin: http://localhost", f"{name}: {origin}"), TOKEN)
         assert not may_enter(head("/?token=wrong", f"{name}: {origin}"), TOKEN)
         assert not may_enter(head("/?token=", f"{name}: {origin}"), TOKEN)
-    assert may_enter(head(f"/?token={TOKEN}", f"Origin: {origin}"), TOKEN)
-    assert may_enter(head(f"/x?a=1&token={TOKEN}", f"Origin: {origin}"), TOKEN)
+        assert not may_enter(head(f"/?token={TOKEN}", f"{name}: {origin}"), TOKEN)
+        assert not may_enter(head(f"/?token={TOKEN}", "Origin: file://", f"{name}: {origin}"), TOKEN)
+    assert may_enter(head(f"/x?a=1&token={TOKEN}", "Origin: https://app.foxglove.dev"), TOKEN)
+
+
+def test_pages_that_the_user_names_may_enter() -> None:
+    own = head(f"/?token={TOKEN}", "Origin: https://viewer.example.org:8443")
+    assert not may_enter(own, TOKEN) and may_enter(own, TOKEN, ["https://viewer.example.org:8443"])
+    assert is_origin("https://viewer.example.org:8443") and is_origin("http://viewer")
+    for text in ("viewer.example.org", "https://viewer/x", "https://a@b", "https://*", "null", "https://b\r\nx", ""):
+        assert not is_origin(text)
 
 
 @pytest.mark.parametrize(
@@ -73,7 +82,8 @@ def test_a_server_with_a_door(live: LiveView) -> None:
     assert not comes_in(plain, None) and not comes_in(plain, "http://localhost:8080")
     assert not comes_in(plain, "https://evil.example") and not comes_in(plain, "null")
     assert not comes_in(f"{plain}/?token=guess", "https://evil.example")
-    assert comes_in(live.address, "https://evil.example") and comes_in(live.address, None)
+    assert not comes_in(live.address, "https://evil.example") and not comes_in(live.address, "null")
+    assert comes_in(live.address, "http://localhost:8080") and comes_in(live.address, None)
 
 
 def test_the_door_is_of_this_machine_only_and_patient_with_nobody(live: LiveView) -> None:
