@@ -82,6 +82,7 @@ def open_cell(
 ) -> OpenCell:
     """Open the cell that the file `cell` describes, to be used in a `with` statement.
 
+    Ctrl-C in the `with` statement ends it as it ends a run: at once, and log and results say so.
     With `out`, a folder, what a run writes is written there; in place of lines of a program stand those of the calling
     script. `world`, `force` and `allow_code` as of `gcodesim run`. Raises `InputError` when the cell has errors,
     OSError when it cannot be read, `WorldUnavailable` when the world cannot be opened here.
@@ -143,7 +144,7 @@ class OpenCell:
     def __exit__(
         self, kind: type[BaseException] | None, fault: BaseException | None, trace: TracebackType | None
     ) -> None:
-        self.close()
+        self._end(interrupted=kind is not None and issubclass(kind, KeyboardInterrupt))
 
     # ---- what is in the cell
 
@@ -278,15 +279,19 @@ class OpenCell:
 
     def close(self) -> None:
         """End the run, write what is to be written; further calls do nothing."""
+        self._end(interrupted=False)
+
+    def _end(self, *, interrupted: bool) -> None:
         if self._closed:
             return
         try:
-            if self._record is None and not self._waiting:
-                self._pass(1)  # so that there is a log of a cell in which nothing was done
-            self._flush()
+            if not interrupted:
+                if self._record is None and not self._waiting:
+                    self._pass(1)  # so that there is a log of a cell in which nothing was done
+                self._flush()
         finally:
             self._closed = True
-            self._run.end()
+            self._run.end(interrupted=interrupted)
 
     # ---- inside
 

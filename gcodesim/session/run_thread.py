@@ -13,6 +13,7 @@ from gcodesim.planning.legs import followed_by
 from gcodesim.shop import with_stock
 
 if TYPE_CHECKING:
+    from gcodesim.executor import Progress
     from gcodesim.executor.halt import RunHalt
     from gcodesim.jobs.job import Job
     from gcodesim.jobs.results import Results
@@ -30,7 +31,7 @@ class RunThread:
         self._reached: SimpleQueue[bool] = SimpleQueue()
         self._thread: Thread | None = None
         self._fault: BaseException | None = None
-        self._working = False
+        self._working = self._interrupted = False
         self.results: Results | None = None
 
     # ---- for the session
@@ -47,10 +48,11 @@ class RunThread:
             self._further.put(True)
         self._wait()
 
-    def end(self) -> None:
-        """There is no further leg: close log and results."""
+    def end(self, *, interrupted: bool = False) -> None:
+        """There is no further leg: close log and results. An `interrupted` run stops at once, and they say so."""
         if self._thread is None or not self._thread.is_alive():
             return
+        self._interrupted = interrupted
         if self._working:  # somebody interrupted `advance`
             self._wait()
         if self.results is None and self._thread.is_alive():
@@ -66,9 +68,11 @@ class RunThread:
 
     def _run(self) -> None:
         try:
-            self.results, _ = simulation.run(self._job, self._out)
+            self.results, _ = simulation.run(self._job, self._out, progress=self._go_on)
+        except simulation.RunInterrupted as stopped:
+            self.results = stopped.results
         except BaseException as fault:
-            self._fault = fault
+            self._fault = None if self._interrupted else fault  # nothing had run yet that could be told
         self._reached.put(False)
 
     # ---- for the run
@@ -76,7 +80,14 @@ class RunThread:
     def onward(self, halt: RunHalt | None = None) -> Plan | None:
         """Wait for a further leg; None: there is none."""
         self._reached.put(True)
-        return self._job.plan if self._further.get() else None
+        further = self._further.get()
+        self._go_on()
+        return self._job.plan if further else None
+
+    def _go_on(self, _: Progress | None = None) -> None:
+        """Between two windows: KeyboardInterrupt, as in a run of the command line, if the session was interrupted."""
+        if self._interrupted:
+            raise KeyboardInterrupt
 
     def stock_up(self) -> bool:
         """Load the stocks; False if a fault in one of them, which is reported, keeps the job from running."""

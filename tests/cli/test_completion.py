@@ -190,7 +190,7 @@ def test_every_value_says_what_it_may_be() -> None:
     free = {value.name for value in values if not (value.words or value.files or value.folders)}
     lengths = {"MM", "X,Y,Z"}
     assert free - lengths == {
-        *("N", "S", "DAY", "PORT", "T", "FROM:TO", "FIRST:LAST", "NAME=VALUE", "NAME=PROGRAM", "A,B", "NAME"),
+        *("N", "S", "DAY", "PORT", "ORIGIN", "T", "FROM:TO", "FIRST:LAST", "NAME=VALUE", "NAME=PROGRAM", "A,B", "NAME"),
         *("NAME=OUTPUT", "HOST:PORT", "DEG"),
         *("0|1", "FACTOR", "STEP", "OPTIONS", "ADDRESS", "AXIS=PLACE"),
     }

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 import gcodesim
+from gcodesim.log.summary import summary
 from gcodesim.session import MisuseError, OpenCell
 
 CELL = """\
@@ -302,3 +303,23 @@ def test_a_base_on_axes_is_moved_like_joints(tmp_path: Path) -> None:
         arm.move_joints({names[0]: 0.4, names[1]: -0.3})
         after, _ = arm.endeffector_pose
         assert after - before == pytest.approx([0.4, -0.3, 0.0], abs=1e-9)
+
+
+def test_a_script_that_is_interrupted_is_an_interrupted_run(tmp_path: Path) -> None:
+    """Neither log nor results say that it came to its end, and what it had still to do is left undone."""
+    (tmp_path / "cell.yaml").write_text("gcodesim: 1\nmachine: gantry_xyz\nsimulation: {world: kinematic}\n")
+    with pytest.raises(KeyboardInterrupt), gcodesim.open_cell(tmp_path / "cell.yaml", out=tmp_path / "out") as cell:
+        cell.step(0.2)
+        assert cell.time == pytest.approx(0.2)
+        cell.step(0.4)
+        raise KeyboardInterrupt
+    assert cell.results.status == "failed"
+    assert cell.results.times.total == pytest.approx(0.2)
+    assert summary(tmp_path / "out" / "run.mcap").state == "interrupted"
+
+
+def test_a_script_that_is_interrupted_before_anything_ran_leaves_nothing(tmp_path: Path) -> None:
+    (tmp_path / "cell.yaml").write_text("gcodesim: 1\nmachine: gantry_xyz\nsimulation: {world: kinematic}\n")
+    with pytest.raises(KeyboardInterrupt), gcodesim.open_cell(tmp_path / "cell.yaml", out=tmp_path / "out"):
+        raise KeyboardInterrupt
+    assert not (tmp_path / "out").exists()
