@@ -47,8 +47,11 @@ class Series:
 
     def columns(self, *names: str) -> Array:
         """Several fields (n, len(names)); zeros where the topic has no field of that name."""
-        zero = np.zeros(len(self.t_ns))
-        return np.stack([self.column(name) if name in self.names else zero for name in names], axis=1)
+        found = np.zeros((len(self.t_ns), len(names)))
+        for k, name in enumerate(names):
+            if name in self.names:
+                found[:, k] = self.column(name)
+        return found
 
 
 class _Slot(NamedTuple):

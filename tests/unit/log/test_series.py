@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from gcodesim.log.logfile import LogFile
-from gcodesim.log.series import read_series
+from gcodesim.log.series import Series, read_series
 from tests.log_columns import read_columns
 
 
@@ -56,3 +56,10 @@ def test_a_range_and_a_period_choose(log):
 
 def test_a_topic_that_is_not_there_is_left_out(log):
     assert read_series(LogFile.open(log), ["/nothing"]) == {}
+
+
+def test_columns_are_zero_where_there_is_no_field_and_none_where_none_is_named() -> None:
+    """A log of another tool has the topic of joints and no joints in it."""
+    series = Series(np.arange(3), ("a",), np.array([[1.0], [2.0], [3.0]]), {})
+    assert series.columns("b", "a").tolist() == [[0.0, 1.0], [0.0, 2.0], [0.0, 3.0]]
+    assert series.columns().shape == (3, 0)
