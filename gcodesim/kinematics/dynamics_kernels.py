@@ -25,7 +25,7 @@ class EffortRoom(NamedTuple):
 
     Joint `frames` (j, 4, 4), directions `z` of the axes, centres of mass `c` from the joints; angular velocity
     `spin`, its rate, and the acceleration of the joint's `origin`; force and moment that act on the body.
-    Four vectors (3,) for whatever is at hand.
+    Four vectors (3,) for whatever is at hand, and the pose (4, 4) of the tip.
     """
 
     frames: Array
@@ -40,6 +40,7 @@ class EffortRoom(NamedTuple):
     vector: Array
     I_spin: Array
     I_rate: Array
+    X_tip: Array
 
 
 @kernel(lean=True)
@@ -67,8 +68,9 @@ def room_for(count: int) -> EffortRoom:
     spin, spin_rate, origin = np.empty((count, 3)), np.empty((count, 3)), np.empty((count, 3))
     force, moment = np.empty((count, 3)), np.empty((count, 3))
     return EffortRoom(
-        frames, z, c, spin, spin_rate, origin, force, moment, np.empty(3), np.empty(3), np.empty(3), np.empty(3)
-    )
+        frames, z, c, spin, spin_rate, origin, force, moment, np.empty(3), np.empty(3), np.empty(3), np.empty(3),
+        np.empty((4, 4)),
+    )  # fmt: skip
 
 
 @kernel(lean=True, inlined=True)
@@ -126,9 +128,10 @@ def balance_body(i: int, mass: float, inertia: Array, room: EffortRoom) -> None:
 
 
 @kernel(lean=True, inlined=True)
-def load_tip(carrier: int, tip: Array, wrench: Array, X_tip: Array, room: EffortRoom) -> None:
+def load_tip(carrier: int, tip: Array, wrench: Array, room: EffortRoom) -> None:
     """Take `wrench` (6,), which acts at the tip, off the force and moment of the body that carries it."""
     frames, force, moment, arm, vector = room.frames, room.force, room.moment, room.arm, room.vector
+    X_tip = room.X_tip
     place(frames, carrier, tip, X_tip)
     for r in range(3):
         arm[r] = X_tip[r, 3] - frames[carrier, r, 3]
@@ -160,7 +163,7 @@ def gather_efforts(tree: Tree, room: EffortRoom, out: Array) -> None:
 @kernel(lean=True)
 def fill_efforts(
     q: Array, qd: Array, qdd: Array, wrench: Array, gravity: Array, bodies: MovedBodies, tree: Tree, tip: Array,
-    room: EffortRoom, X_tip: Array, out: Array,
+    room: EffortRoom, out: Array,
 ) -> None:  # fmt: skip
     """The loop of `efforts_along`, which has made all arrays, so that none is counted at each row."""
     carrier = tree.flange_carrier
@@ -174,7 +177,7 @@ def fill_efforts(
             move_body(i, qd[k, i], qdd[k, i], tree, bodies.com, gravity, room)
             balance_body(i, bodies.mass[i], bodies.inertia[i], room)
         if carrier >= 0:
-            load_tip(carrier, tip, wrench[k], X_tip, room)
+            load_tip(carrier, tip, wrench[k], room)
         gather_efforts(tree, room, out[k])
 
 
@@ -188,4 +191,4 @@ def efforts_along(
     `tip` (4, 4) rides on the joint that carries the flange. Luh, Walker, Paul 1980: motion outwards with the
     base falling up, forces inwards. All vectors in base axes.
     """
-    fill_efforts(q, qd, qdd, wrench, gravity, bodies, tree, tip, room_for(q.shape[1]), np.empty((4, 4)), out)
+    fill_efforts(q, qd, qdd, wrench, gravity, bodies, tree, tip, room_for(q.shape[1]), out)
