@@ -10,7 +10,7 @@ import numpy as np
 
 from gcodesim.executor.part_run import PartRun
 from gcodesim.executor.stint import Stint, deflection_of
-from gcodesim.executor.stint_maker import Span, StintMaker
+from gcodesim.executor.stint_maker import StepSpan, StintMaker
 from gcodesim.executor.switching import Switching
 from gcodesim.executor.tasks import Only, RowColumns, Tasks
 from gcodesim.executor.window import StepWindow
@@ -68,7 +68,7 @@ class Coupling:
         def jacobian() -> Array:
             return self.tip_jacobian(steps, begin, end)
 
-        span = Span(steps, begin, end, None if self._gears_move else jacobian)
+        span = StepSpan(steps, begin, end, None if self._gears_move else jacobian)
         made = [self._maker.stint(task, span) for task in tasks]
         stints = [stint for stint in made if stint is not None]
         self._bend(steps, begin, end, stints)

@@ -24,7 +24,7 @@ _BOTH_ENDS: Final = (0.0, 1.0)
 
 
 @frozen(kw_only=False, eq=False)
-class Span:
+class StepSpan:
     """Steps `begin` to `end` of a window, all with one tool.
 
     `jacobian` gives the Jacobians of its tip (n, 6, j) in base axes; a rigid machine does not ask for them. None: the
@@ -68,7 +68,7 @@ class Chords:
     R_before: Array
 
     @staticmethod
-    def of(span: Span, first_X: Array, X_BS: Array) -> Chords:
+    def of(span: StepSpan, first_X: Array, X_BS: Array) -> Chords:
         """Seen from a target that is at X_BS (n, 4, 4) at the ends of steps, and comes from `first_X` (1, 4, 4)."""
         if (X_BS[:, :3] != first_X[:, :3]).any():
             return Chords._of_moving(span, np.concatenate([first_X, X_BS[:-1]]), X_BS)
@@ -87,7 +87,7 @@ class Chords:
         )
 
     @staticmethod
-    def _of_moving(span: Span, held: Array, X_BS: Array) -> Chords:
+    def _of_moving(span: StepSpan, held: Array, X_BS: Array) -> Chords:
         """The table turns or travels: chords between the ends of steps."""
         steps, here = span.steps, span.here
         return Chords(
@@ -125,7 +125,7 @@ class StintMaker:
     switching: Switching
     parts: PartRun | None = None
 
-    def stint(self, task: Task, span: Span) -> Stint | None:
+    def stint(self, task: Task, span: StepSpan) -> Stint | None:
         """The stint of a task; None if it stays away from the target."""
         shop, parts, frame = self.shop, self.parts, task.target.frame
         joints = span.steps.joints(shop.name, span.begin, span.end)
@@ -152,7 +152,7 @@ class StintMaker:
         return stint
 
     def _stint_at(
-        self, task: Task, span: Span, first_X: Array, X_BS: Array, where: Callable[[str], Array]
+        self, task: Task, span: StepSpan, first_X: Array, X_BS: Array, where: Callable[[str], Array]
     ) -> Stint | None:
         """The target comes from `first_X` (1, 4, 4) and is at X_BS (n, 4, 4), others are at `where`."""
         steps, here = span.steps, span.here
@@ -198,7 +198,7 @@ class StintMaker:
             parts=parts,
         )
 
-    def _compliance(self, task: Task, span: Span, R_SB: Array) -> Array | None:
+    def _compliance(self, task: Task, span: StepSpan, R_SB: Array) -> Array | None:
         """How the machine gives way (n, 6, 6) to a process that pushes, in axes of the target; None if it does not."""
         if not task.process.pushes or self.shop.stiffness is None or span.jacobian is None:
             return None
@@ -215,7 +215,7 @@ def _places(seen_from_base: Callable[[str], Array], X_BS: Array) -> Callable[[st
     return where
 
 
-def _of_steps(span: Span) -> Array | None:
+def _of_steps(span: StepSpan) -> Array | None:
     """Filament (n,) [m] of whole steps."""
     steps = span.steps
     if steps.piece_filament is None:

@@ -31,11 +31,11 @@ def tool_reaction(
     n = len(wrench)
     if tool is None or n == 0:
         return np.zeros((n, 6))
-    from gcodesim.world.reaction_kernels import Load, reactions
+    from gcodesim.world.reaction_kernels import FlangeLoad, reactions
 
     xx, yy, zz, xy, xz, yz = tool.inertia
     inertia = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-    load = Load(float(tool.mass), np.array(tool.com, dtype=float), np.array(tool.X_FT.p, dtype=float), inertia)
+    load = FlangeLoad(float(tool.mass), np.array(tool.com, dtype=float), np.array(tool.X_FT.p, dtype=float), inertia)
     out = np.empty((n, 6))
     gravity = np.array(gravity_B, dtype=float)
     reactions(rows(q), rows(qd), rows(wrench), gravity, float(dt), machine.chain.tree, load, out)

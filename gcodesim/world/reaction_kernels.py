@@ -12,7 +12,7 @@ from gcodesim.kinematics.chain import Tree
 from gcodesim.kinematics.tree_kernels import fill_jacobian, joint_frames, place
 
 
-class Load(NamedTuple):
+class FlangeLoad(NamedTuple):
     """A rigid body on the flange F: mass [kg], centre of mass (3,) and tip (3,) in F [m], inertia (3, 3) there."""
 
     mass: float
@@ -55,7 +55,7 @@ def turn_into(R: Array, v: Array, out: Array) -> None:
 
 
 @kernel(lean=True)
-def move_load(q: Array, qd: Array, tree: Tree, load: Load, room: ReactionRoom) -> None:
+def move_load(q: Array, qd: Array, tree: Tree, load: FlangeLoad, room: ReactionRoom) -> None:
     """Velocity of the centre of mass, angular momentum, lever and tip in base axes at joints q, qd (j,)."""
     frames, flange, J, twist, turned = room.frames, room.flange, room.J, room.twist, room.turned
     lever, v_com, momentum = room.lever, room.v_com, room.momentum
@@ -86,7 +86,7 @@ def move_load(q: Array, qd: Array, tree: Tree, load: Load, room: ReactionRoom) -
 
 @kernel(lean=True)
 def fill_reactions(
-    q: Array, qd: Array, wrench: Array, gravity: Array, dt: float, tree: Tree, load: Load, room: ReactionRoom,
+    q: Array, qd: Array, wrench: Array, gravity: Array, dt: float, tree: Tree, load: FlangeLoad, room: ReactionRoom,
     out: Array,
 ) -> None:  # fmt: skip
     """The loop of `reactions`, which has made all arrays."""
@@ -112,7 +112,7 @@ def fill_reactions(
 
 @kernel
 def reactions(
-    q: Array, qd: Array, wrench: Array, gravity: Array, dt: float, tree: Tree, load: Load, out: Array
+    q: Array, qd: Array, wrench: Array, gravity: Array, dt: float, tree: Tree, load: FlangeLoad, out: Array
 ) -> None:
     """Wrenches `out` (n, 6) of the flange on its load: see `tool_reaction`, which has the same arguments."""
     fill_reactions(q, qd, wrench, gravity, dt, tree, load, reaction_room(q.shape[1]), out)
