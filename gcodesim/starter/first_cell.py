@@ -145,20 +145,22 @@ class FirstCell:
     def language(self) -> list[str]:
         lines = [f"dialect: {self.seen.dialect:<10} # {self.seen.why}"]
         checks = []
-        if self.seen.failed is not None and self.seen.failed.code == _NO_END:
+        whole = self.seen.failed is None or self.seen.failed.code == _NO_END  # else what is missing may come later
+        if self.seen.failed is not None and whole:
             checks.append((f"{_NO_END}: warning", "a control would stop at the end of the file: it has no M2 or M30"))
         elif self.seen.failed is not None:
             where = self.seen.failed.span.line
             lines.append(f"# line {where} of the program has an error, so a run stops there: see `gcodesim lint`")
+            lines.append("# nothing behind that line is known here: mend it, and make this cell again")
         if self.seen.lathe:
             lines.append("# it is a program for a lathe: paths and times are right, material is not")
-        if self.tools and not (self.seen.changes and self.seen.measured):
+        if whole and self.tools and not (self.seen.changes and self.seen.measured):
             number = self.tools[0].scanned.number
             why = "it says G49 and never G43: Z counts as touched off with the tool"
             if not self.seen.changes:
                 why = "the program changes no tool: this one is there from the start"
             lines.append(f"loaded_tool: {number}    # {why}")
-        if self.tools and not self.seen.changes and not self.seen.spins:
+        if whole and self.tools and not self.seen.changes and not self.seen.spins:
             checks.append(("GS501: note", "the program never starts the spindle: somebody does it by hand"))
         if checks:
             codes, reasons = zip(*checks, strict=True)

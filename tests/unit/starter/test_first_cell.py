@@ -103,3 +103,11 @@ def test_a_program_without_anything_gives_a_cell_that_loads() -> None:
 def test_a_cone_is_no_end_mill(comment, kind, angle):
     (tool,) = scan(SourceText("a.nc", f"({comment})\nT1 M6\nG1 X1 F100\nM2\n".encode())).tools
     assert (tool.type, tool.angle) == (kind, angle)
+
+
+def test_nothing_is_said_of_what_follows_an_error() -> None:
+    """A tool change and a start of the spindle may stand there; to lower GS501 for good would hide a fault."""
+    program = b"%\nO1000 (BRACKET (REV 2))\n(T1 12MM ENDMILL)\nT1 M6\nS3000 M3\nG0 X0\nG1 Z-1 F100\nM30\n%\n"
+    text = cell_for(SourceText("part.nc", program)).decode()
+    assert "nothing behind that line is known" in text
+    assert "GS501" not in text and "loaded_tool" not in text
