@@ -10,20 +10,21 @@ import numpy as np
 
 from gcodesim.arithmetic.distinct import distinct
 from gcodesim.arithmetic.matrices import dots
-from gcodesim.canon import AXIS_LETTERS, Action, Output, Spindle, ToolChange
+from gcodesim.canon import AXIS_LETTERS, ToolChange
 from gcodesim.checks.saturation import saturation_findings
 from gcodesim.diagnostics import Diagnostic, Severity, Span
 from gcodesim.diagnostics.events import Flags
 from gcodesim.executor.record import StepRecord
+from gcodesim.executor.switching import value_after
 from gcodesim.executor.tasks import RowColumns
 from gcodesim.executor.totals import JointTotals, RowTotals
 from gcodesim.jobs.calls import Calls
 from gcodesim.jobs.grips import BY_MOTION, grip_finding, held_at_end
 from gcodesim.jobs.loads import loads_of
 from gcodesim.jobs.loose_pieces import loose_finding
-from gcodesim.jobs.meetings import is_wait
 from gcodesim.processes import PROCESSES
 from gcodesim.processes.column import FINDINGS
+from gcodesim.processes.gripping import Gripping
 from gcodesim.processes.rows import Rows
 from gcodesim.processes.signal import SPINDLE
 from gcodesim.shop import Shop
@@ -81,7 +82,7 @@ class Inspector:
         self._switches = {
             each.row: each.event.span
             for each in plan.path.events
-            if isinstance(each.event, (Action, Output, Spindle)) and not is_wait(each.event)
+            if any(value_after(each.event, signal, shop) is not None for signal in Gripping.reads)
         }
         self._kinds = {
             kind: np.isin(rows.tool, [n for n, tool in shop.cell.tools.items() if _does(shop, kind, tool)])

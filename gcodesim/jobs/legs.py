@@ -20,6 +20,7 @@ from gcodesim.canon import Axes
 from gcodesim.canon.batch import MoveBatch
 from gcodesim.cell.inputs import InputSource
 from gcodesim.cell.standing import standing_of
+from gcodesim.checks.deaf_tools import deaf_tool_findings
 from gcodesim.checks.empty_spindle import empty_spindle_findings
 from gcodesim.checks.ends import left_on
 from gcodesim.checks.idle import blind_axis_findings
@@ -235,6 +236,8 @@ class Legs:
                 self._job.findings.extend(lone_marks(self._job.channel, self._job.events))
             whole = path if before is None else before.path.then(path)
             self._job.findings.extend(empty_spindle_findings(whole, self.shop.cell))
+            loaded = self.shop.cell.channels[self.shop.channel].loaded_tool or 0
+            self._job.findings.extend(deaf_tool_findings(whole, self.shop.cell.tools, loaded))
             lasting = any(self._duration_of(noted) > 0.0 for noted in path.events)
             if before is not None and not len(path) and not lasting:
                 return None

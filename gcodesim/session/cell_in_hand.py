@@ -648,8 +648,10 @@ class HandTool:
     def couple(self, arm: Arm) -> None:
         """Let `arm` hold the tool; like M6, it takes the time that the cell says, with the next steps.
 
-        MisuseError when the arm holds a tool already, or is of another cell.
+        MisuseError when the arm holds a tool already, is of another cell, or is none.
         """
+        if not isinstance(arm, Arm):
+            raise MisuseError(f"tool {self.number} is coupled to an arm of the cell, as `cell.robot(…)` gives it")
         if arm._cell is not self._cell:
             raise MisuseError(f"tool {self.number} and `{arm.name}` are in two different cells")
         held = self._cell._state.tool

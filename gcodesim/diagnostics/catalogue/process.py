@@ -56,6 +56,16 @@ CODES: tuple[Code, ...] = (
         remedy="Name the tool under `loaded_tool` of the cell, or call one in the program with T and M6.",
     ),
     Code(
+        code="GS507",
+        severity=Severity.WARNING,
+        title="Switched on without its tool",
+        what="A word that the cell maps to a tool or gripper (`{tool: activate}`, `{gripper: close}`) comes while the "
+        "spindle is empty, or has a tool that it does not switch.",
+        why="Nothing is laid, sprayed, cut or gripped, and a tool that is taken later begins switched on.",
+        remedy="Put the tool change before the word. A gripper that holds its part through the program is named as "
+        "`loaded_tool`.",
+    ),
+    Code(
         code="GS510",
         severity=Severity.ERROR,
         title="Spindle power exceeded",
