@@ -646,6 +646,11 @@ def _stock(shop: Shop, name: str, spec: StockSpec) -> Stock | Diagnostic:
             hint=f"the finest resolution that fits is {finest / MM:g} mm",
         )
     material = spec.material or ""
+    if isinstance(shape, Box) and spec.heights is not None:
+        from gcodesim.material.warped import Tops, warped_box
+
+        tops = Tops(spec.heights.x, spec.heights.y, spec.heights.z)
+        return warped_box(lower, upper, tops, resolution, material)
     if isinstance(shape, Box):
         return Stock.box(lower, upper, resolution, material)
     if isinstance(shape, Cylinder):

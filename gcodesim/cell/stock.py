@@ -8,6 +8,7 @@ from difflib import get_close_matches
 from typing import Any, ClassVar, Final
 
 from gcodesim.cell.film import FilmSpec
+from gcodesim.cell.height_map import HeightMap, height_map_of
 from gcodesim.cell.leftover import Leftover, leftover
 from gcodesim.cell.placing import POINT, Place, names_of
 from gcodesim.declarations.composed import ListOf
@@ -183,7 +184,7 @@ def _shape_of(
             f"{what} has {len(shapes)} shapes: {', '.join(f'`{s}`' for s in shapes)}",
             "give one",
         )
-    if body.unit is not None and body.mesh is None:
+    if body.unit is not None and body.mesh is None and getattr(body, "height_map", None) is None:
         return to.fault(
             "GS719", to.key((*path, "unit")), "`unit` belongs to a `mesh`", "write units behind the numbers"
         )
@@ -335,6 +336,13 @@ class StockSpec(ShapeKeys):
         default=(),
         quiet=True,
     )
+    height_map: FileValue | None = key(
+        File("a table of probed points"),
+        "how high the top of a box really is: a grid of points `x y z` in the stock's frame, a line each, in mm or in "
+        "`unit`; straight between them, level beyond them",
+        default=None,
+        quiet=True,
+    )
     inside: str | None = key(
         "text",
         "the stock of which it is a part and whose place it takes, such as a screw in a plate; without `in` it stands "
@@ -343,6 +351,7 @@ class StockSpec(ShapeKeys):
         quiet=True,
     )
     layer: bool = False
+    heights: HeightMap | None = None
     shape: StockShape = field(default=Box(lower=(0.0, 0.0, 0.0), upper=(0.0, 0.0, 0.0)))
 
     def checked(self, to: Reading, path: Path) -> StockSpec | Unread:
@@ -357,7 +366,27 @@ class StockSpec(ShapeKeys):
             shape = leftover(self.leftover, str(path[1]) if len(path) > 1 else "stock", to, (*path, "from"))
             if isinstance(shape, Unread):
                 return UNREAD
-        return replace(self, shape=shape)
+        return self._warped(shape, to, path) if self.height_map is not None else replace(self, shape=shape)
+
+    def _warped(self, shape: StockShape, to: Reading, path: Path) -> StockSpec | Unread:
+        """With a top as probed; its shape is the box around it."""
+        assert self.height_map is not None
+        where = (*path, "height_map")
+        if not isinstance(shape, Box) or self.layers:
+            hint = "give the stock by `box`, or by `min` and `max`, without `layers`"
+            return to.fault("GS719", to.key(where), "`height_map` is for a stock that is one box", hint)
+        heights = height_map_of(self.height_map, self.unit, to, where)
+        if isinstance(heights, Unread):
+            return UNREAD
+        (x, y, low), (right, back, _) = shape.lower, shape.upper
+        if heights.lowest - low < _LEAST_SIDE:
+            least, floor = shown(heights.lowest, "length"), shown(low, "length")
+            what = f"the top goes down to Z {least}; the underside of the stock is at {floor}"
+            return to.fault(
+                "GS710", to.span(where), what, "heights count from the `zero` of the stock, as its frame does"
+            )
+        whole = Box(lower=(x, y, low), upper=(right, back, heights.highest))
+        return replace(self, shape=whole, heights=heights)
 
 
 @frozen
