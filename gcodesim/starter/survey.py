@@ -36,6 +36,7 @@ _TINY: Final = 1e-7  # m
 _MACHINE = re.compile(r"(?<![A-Za-z0-9])G0*(?:28|30|53)(?![0-9.])", re.IGNORECASE)
 _HOMING = re.compile(r"(?<![A-Za-z0-9])G0*(?:28|30)(?![0-9.])", re.IGNORECASE)
 _TOUCH_OFF = re.compile(r"(?<![A-Za-z])L0*20(?![0-9.])", re.IGNORECASE)
+_SETS_ZERO = re.compile(r"^[^(;]*G0*10(?![0-9.])[^(;]*L0*2(?![0-9.])[^(;]*P0*([1-9])", re.IGNORECASE | re.MULTILINE)
 _NOTE = re.compile(r"\([^)]*\)?|;.*")
 _AXIS_WORD = re.compile(r"(?<![A-Za-z#<])[XYZxyz]\s*[-+]?\s*[0-9.#\[]")
 _O_NUMBER = re.compile(r"(?:O[0-9]{3,8}|:[0-9]{4})(?![0-9])", re.IGNORECASE)
@@ -254,6 +255,7 @@ class _Walk:
         self._risen = True
         self.systems: dict[int, _Moves] = {}
         self._zeros: dict[int, tuple[float, ...]] = {}
+        self._set = {int(found) for found in _SETS_ZERO.findall(program.text)}  # by G10 L2, perhaps to zero
         self.own: dict[int, tuple[float, float, float]] = {}
         self.lift = 0.0
         self.called: set[int] = set()
@@ -290,7 +292,7 @@ class _Walk:
             if not touched_off or event.index not in self._zeros:
                 self._zeros[event.index] = (0.0,) * 6 if touched_off else event.offset
             x, y, z = self._zeros[event.index][:3]
-            if any((x, y, z)):
+            if any((x, y, z)) or event.index in self._set:
                 self.own[event.index] = (x, y, z)
         return self._zeros[event.index]
 

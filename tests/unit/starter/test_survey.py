@@ -299,3 +299,12 @@ def test_a_word_that_no_control_but_one_knows_decides() -> None:
 def test_a_loop_that_waits_for_a_probe_is_surveyed_without_end() -> None:
     text = "G21 G90\n#1=1\no1 while [#1 gt 0]\nG38.3 X[#1] F100\nG0 X0\n#1=[#1+0.001]\no1 endwhile\nM2\n"
     assert survey(source(text)).failed.code == "GS134"
+
+
+def test_a_system_that_the_program_puts_at_machine_zero_stands_there(tmp_path: Path) -> None:
+    """Setting it to zero changes nothing that could be seen from outside; the cell has to say so anyway."""
+    text = "G21 G90\nG10 L2 P2 X0 Y0 Z0\nG55\nT1 M6\nG43 H1\nM3 S5000\nG0 X5 Y5 Z2\nG1 Z-3 F200\nX40\nG0 Z20\nM5\nM2\n"
+    assert survey(source(text)).own == {2: (0.0, 0.0, 0.0)}
+    status, worse, removed = verdict(text, tmp_path)
+    assert (status, worse) == ("ok", set())
+    assert removed["stock"] > 500.0
