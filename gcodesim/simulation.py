@@ -275,6 +275,7 @@ def _run(
     if job.others:
         share_shop(job)
     coarse = {each.channel: _coarse(each) for each in job.all}
+    bodies = {each.channel: each.legs.watch_stocks() for each in job.all if each.legs is not None}
     recorder = None
     if out is not None:
         forget(out, _names(job.shop, out))
@@ -283,7 +284,10 @@ def _run(
 
         recorder = Writing(job, out, live)
     execution = None
-    inspectors = {each.channel: Inspector(*_inspected(each), freely=job.world != KINEMATIC) for each in job.all}
+    freely = job.world != KINEMATIC
+    inspectors = {
+        each.channel: Inspector(*_inspected(each), freely=freely, bodies=bodies[each.channel]) for each in job.all
+    }
 
     def onward(halt: RunHalt) -> Plan | None:
         """The next leg, if the program has one; whoever watches the run gets to know it."""
@@ -307,7 +311,9 @@ def _run(
                 each.seen(record)
             return each.shown(inspector.fresh(record, rows, joints))
 
-        return TrackPlan(plan=each.plan, shop=each.shop, inspect=inspect, watcher=watcher, only=only)
+        return TrackPlan(
+            plan=each.plan, shop=each.shop, inspect=inspect, watcher=watcher, only=only, bodies=bodies[each.channel]
+        )
 
     watchers: list[Watcher | None] = [None for _ in job.all] if recorder is None else [recorder, *recorder.others]
     eyes = _eyes(job, recorder, out)

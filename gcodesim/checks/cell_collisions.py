@@ -11,7 +11,7 @@ import numpy as np
 from gcodesim.canon import ToolChange
 from gcodesim.checks.cell_bodies import CellBody
 from gcodesim.checks.cell_meetings import CellMeeting
-from gcodesim.checks.clearance import place_in_system
+from gcodesim.checks.clearance import tip_in_words
 from gcodesim.diagnostics import Diagnostic, Span
 from gcodesim.frames import Array, Pose
 from gcodesim.scene import Stay
@@ -71,10 +71,7 @@ class Running:
         plan = self.plan
         q = plan.joints(plan.trajectory.sample(np.array([min(time, plan.trajectory.duration)])))
         row = min(self.row(time), max(len(plan.path) - 1, 0))
-        tip = plan.tip(q, np.array([row]))[0, :3, 3]
-        system, point = place_in_system(self.X_BM.inverse().apply(tip), plan.path.state_of(row))
-        where = " ".join(f"{letter}{value / MM:.3f}" for letter, value in zip("XYZ", point + 0.0, strict=True))
-        return f"{where} of {system}"
+        return tip_in_words(plan, q[0], row, self.X_BM)
 
 
 @dataclass(frozen=True, eq=False)

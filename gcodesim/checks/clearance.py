@@ -19,6 +19,7 @@ from gcodesim.frames import WORLD, Array, Pose
 from gcodesim.frozen import frozen
 from gcodesim.motion.tool_path import ToolState
 from gcodesim.scene import Role, Scene
+from gcodesim.units import MM
 
 if TYPE_CHECKING:
     from gcodesim.planning.plan import Plan
@@ -151,3 +152,11 @@ def place_in_system(p_M: Array, state: ToolState) -> tuple[str, Array]:
     """
     point = state.X_MP.inverse().apply(p_M) - np.array(state.g92[:3])
     return name_of_system(state.system), point
+
+
+def tip_in_words(plan: Plan, q: Array, row: int, X_BM: Pose) -> str:
+    """Where the tip is with the joints at q (j,), in the work system in force in a path row; machine zero is X_BM."""
+    tip = plan.tip(q[None], np.array([row]))[0, :3, 3]
+    system, point = place_in_system(X_BM.inverse().apply(tip), plan.path.state_of(row))
+    where = " ".join(f"{letter}{value / MM:.3f}" for letter, value in zip("XYZ", point + 0.0, strict=True))
+    return f"{where} of {system}"

@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.arithmetic.matrices import applied, multiplied
-from gcodesim.checks.clearance import place_in_system
+from gcodesim.checks.clearance import tip_in_words
 from gcodesim.checks.machine_bodies import CarriedBody, MachineBodies, may_meet_by_motion
 from gcodesim.checks.rigid import RigidBody, bounds_of
-from gcodesim.diagnostics import Diagnostic
+from gcodesim.diagnostics import Diagnostic, Severity
 from gcodesim.frames import Array, Pose
 from gcodesim.kinematics.chain import Tree
 from gcodesim.tools.gripper import Gripper
@@ -30,13 +30,15 @@ if TYPE_CHECKING:
 Pairs = list[tuple[int, int]]
 
 SELF: Final = "GS306"
+STOCK_HIT: Final = "GS307"
+STOCK_HINT: Final = "use a longer tool, or move the stock"
 _BESIDE: Final = 5e-3
 """How near [m] a tool must come to a fixture for its sweep to be looked at; far more than that sweep rounds off."""
 
 _HINTS: Final = {
     "GS305": "move the fixture or the work, or reach it another way",
     SELF: "another orientation of the tool or another place of the work keeps the links apart",
-    "GS307": "use a longer tool, or move the stock",
+    STOCK_HIT: STOCK_HINT,
 }
 
 
@@ -255,22 +257,18 @@ class _Check:
 
     def _tip_words(self, stretch: int, share: float) -> str:
         """Where the tip is, in the work system in force."""
-        row = self._way.row(stretch)
-        q = self._way.way.at(stretch, share)[None]
-        tip = self.plan.tip(q, np.array([row]))[0, :3, 3]
-        system, point = place_in_system(self.checks.X_BM.inverse().apply(tip), self.plan.path.state_of(row))
-        where = " ".join(f"{letter}{value / MM:.3f}" for letter, value in zip("XYZ", point + 0.0, strict=True))
-        return f"{where} of {system}"
+        return tip_in_words(self.plan, self._way.way.at(stretch, share), self._way.row(stretch), self.checks.X_BM)
 
     def _finding(self, one: CarriedBody, other: CarriedBody, meeting: Meeting, begin: int) -> Diagnostic:
         way = self._way
         stretch = begin + meeting.stretch
-        if other.any_shape or (one.role == "link" and other.role == "tool"):
+        if other.any_shape or one.role == "stock" or (one.role == "link" and other.role == "tool"):
             one, other = other, one
         code = _code(one, other)
         depth = -meeting.gap / MM
         return Diagnostic(
             code=code,
+            severity=Severity.WARNING if code == STOCK_HIT else None,  # it may have been cut away by then
             message=f"{body_in_words(one)} hits {_object(other)}, {depth:.3f} mm deep, "
             f"first with the tip at {self._tip_words(stretch, meeting.share)}",
             span=self.plan.path.span(way.row(stretch)),
@@ -298,7 +296,7 @@ def _is_beside(one: CarriedBody, other: CarriedBody) -> bool:
 def _code(one: CarriedBody, other: CarriedBody) -> str:
     roles = {one.role, other.role}
     if "stock" in roles:
-        return "GS307"
+        return STOCK_HIT
     return "GS305" if "fixture" in roles else SELF
 
 

@@ -89,7 +89,8 @@ class MovingBodies:
         return np.array([body.carrier for body in self.bodies], dtype=np.int64)
 
     @cached_property
-    def _chain(self) -> JointTree:
+    def chain(self) -> JointTree:
+        """The joints as kernels take them."""
         tree = self.tree
         before, axis = np.ascontiguousarray(tree.before), np.ascontiguousarray(tree.axis)
         return JointTree(np.ascontiguousarray(tree.parent), before, axis, np.ascontiguousarray(tree.prismatic))
@@ -102,9 +103,9 @@ class MovingBodies:
             joint = int(self.tree.parent[joint])
         return found
 
-    def _couple(self, pairs: NDArray[np.int64], travel: Array) -> Couple:
-        """Pairs with bounds for joints that shift by no more than `travel` (j,) [m]."""
-        carrier = self._carrier
+    def couple(self, travel: Array) -> Couple:
+        """The pairs with bounds for joints that shift by no more than `travel` (j,) [m]."""
+        carrier, pairs = self._carrier, self.pairs
         reach = np.zeros((len(pairs), len(self.tree.parent)))
         side = np.zeros(reach.shape, dtype=np.int64)
         common = np.full(len(pairs), -1, dtype=np.int64)
@@ -122,6 +123,12 @@ class MovingBodies:
                     far += float(offsets[joint]) + (float(travel[joint]) if shifts else 0.0)
         first, second = carrier[pairs[:, 0]].copy(), carrier[pairs[:, 1]].copy()
         return Couple(first, second, common, reach, side)
+
+    def table(self) -> tuple[Convexes, list[tuple[int, int]]]:
+        """All convex bodies, and from where to where in this table those of each body are."""
+        counts = [len(body.convexes.first) for body in self.bodies]
+        ends = np.cumsum(counts).tolist()
+        return self._woods.convexes, [(end - count, end) for end, count in zip(ends, counts, strict=True)]
 
     def search(self, way: JointWay, *, level: float = -TOUCH) -> list[Meeting]:
         """Every time that two of the bodies come nearer than `level` [m], in the order of the pairs and of the way.
@@ -196,9 +203,9 @@ class MovingBodies:
         from gcodesim.checks.meeting_kernels import walk_room
 
         woods = self._woods
-        couple = self._couple(self.pairs, np.abs(way.q).max(axis=0))
+        couple = self.couple(np.abs(way.q).max(axis=0))
         columns = WayColumns(np.ascontiguousarray(way.q), np.ascontiguousarray(way.bend))
-        scene = (couple, self._chain, columns, woods.forest, woods.convexes)
+        scene = (couple, self.chain, columns, woods.forest, woods.convexes)
         joints = way.q.shape[1]
         return scene, walk_room(len(self.pairs), joints, woods.deepest), (way_room(joints), gap_room())
 
@@ -229,7 +236,7 @@ class MovingBodies:
         """Poses (4, 4) of all joints and of the base, -1."""
         from gcodesim.kinematics.tree_kernels import joint_frames
 
-        chain = self._chain
+        chain = self.chain
         out = np.zeros((len(q), 4, 4))
         joint_frames(np.ascontiguousarray(q), chain.parent, chain.before, chain.axis, chain.prismatic, out)
         return {-1: np.eye(4), **dict(enumerate(out))}

@@ -117,6 +117,11 @@ class Findings:
         """Replace findings by others: what was known before a run may be more severe after it."""
         self._items = {key: changed.get(finding, finding) for key, finding in self._items.items()}
 
+    def withdraw(self, findings: Iterable[Diagnostic]) -> None:
+        """Forget findings: a run has looked more closely."""
+        gone = set(findings)
+        self._items = {key: finding for key, finding in self._items.items() if finding not in gone}
+
     def __iter__(self) -> Iterator[Diagnostic]:
         """In the order of their places."""
         return iter(sorted(self._items.values(), key=lambda f: f.order))

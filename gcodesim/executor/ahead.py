@@ -6,7 +6,7 @@ motor turns out to be too weak, what was cut ahead is undone and the cut goes on
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Final
 
@@ -17,6 +17,9 @@ from gcodesim.frames import Array
 
 if TYPE_CHECKING:
     from concurrent.futures import Future
+
+IN_CONTACT: Final = 8
+"""Steps that are cut at once while a body of the machine is in a stock: which material it meets first is known."""
 
 Look = Callable[[StepWindow], Any]
 """Looks at the stocks as a window leaves them; called before the next one changes them."""
@@ -30,12 +33,28 @@ class WindowCut:
     """
 
     window: StepWindow
-    stretches: Sequence[Stretch]
+    stretches: list[Stretch]
     wrenches: list[Array] = field(default_factory=list)
     seen: Any = None
     looks: bool = True
     undo: list[Callable[[], None]] = field(default_factory=list)
     work: Future[None] | None = None
+
+    def ready(self, index: int) -> Stretch:
+        """The stretch at `index`, which is next. Where a body of the machine meets a stock as it stands by now, the
+
+        stretch is divided, so that the rest is looked at once more when it has been cut up to there.
+        """
+        while True:
+            stretch = self.stretches[index]
+            seen = stretch.look()
+            if seen is None or not seen.meets:
+                return stretch
+            at_once = IN_CONTACT if seen.goes_on else 1
+            parts = stretch.divided(seen.free if seen.free else at_once)
+            if not parts or (not seen.free and len(stretch) <= at_once):
+                return stretch
+            self.stretches[index : index + 1] = parts
 
     @property
     def stints(self) -> list[Stint]:
@@ -62,10 +81,12 @@ class CutThread:
 
     def cut(self, cut: WindowCut) -> None:
         """Cut the rest of a window in the calling thread, and look at the stocks."""
-        for stretch in cut.stretches[len(cut.wrenches) :]:
+        while len(cut.wrenches) < len(cut.stretches):
+            stretch = cut.ready(len(cut.wrenches))
             if self._undoable:
                 cut.undo.append(stretch.save())
             cut.wrenches.append(stretch.whole())
+            stretch.settle()
         self.see(cut)
 
     def see(self, cut: WindowCut) -> None:
@@ -84,6 +105,9 @@ class CutThread:
         while len(cut.wrenches) > first:
             cut.wrenches.pop()
             cut.undo.pop()()
+            watch = cut.stretches[len(cut.wrenches)].watch
+            if watch is not None:
+                watch.forget()
         if first == 0:
             cut.work = None
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from copy import copy
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,13 +13,14 @@ from gcodesim.executor.part_run import PartRun
 from gcodesim.executor.stint import Stint, deflection_of
 from gcodesim.executor.stint_maker import StepSpan, StintMaker
 from gcodesim.executor.switching import Switching
-from gcodesim.executor.tasks import Only, RowColumns, Tasks
+from gcodesim.executor.tasks import Only, RowColumns, Task, Tasks
 from gcodesim.executor.window import StepWindow
 from gcodesim.frames import Array
 from gcodesim.kinematics import shift_jacobian
 from gcodesim.shop import Shop
 
 if TYPE_CHECKING:
+    from gcodesim.checks.stock_watch import Sighting, StockWatch
     from gcodesim.planning import Plan
 
 
@@ -64,15 +66,22 @@ class Coupling:
         """Prepare steps `begin` to `end` of a window, all with the same tool; it `cuts`, or is kept from cutting."""
         number = int(steps.tool[begin])
         tasks = self._tasks.of(number) if cuts else self._tasks.kept(number)
+        stints = self._stints(tasks, steps, begin, end)
+        self._bend(steps, begin, end, stints)
+        return Stretch(self._plan, steps, begin, end, stints, partial(self._part, tasks, steps))
 
+    def _stints(self, tasks: Sequence[Task], steps: StepWindow, begin: int, end: int) -> list[Stint]:
         def jacobian() -> Array:
             return self.tip_jacobian(steps, begin, end)
 
         span = StepSpan(steps, begin, end, None if self._gears_move else jacobian)
         made = [self._maker.stint(task, span) for task in tasks]
-        stints = [stint for stint in made if stint is not None]
-        self._bend(steps, begin, end, stints)
-        return Stretch(self._plan, steps, begin, end, stints)
+        return [stint for stint in made if stint is not None]
+
+    def _part(self, tasks: Sequence[Task], steps: StepWindow, begin: int, end: int) -> Stretch:
+        """Steps of a stretch that has not been run, in which no process leads and no part is carried."""
+        stints = self._stints(tasks, steps, begin, end)
+        return Stretch(self._plan, steps, begin, end, stints, partial(self._part, tasks, steps))
 
     def _bend(self, steps: StepWindow, begin: int, end: int, stints: list[Stint]) -> None:
         """Let the other processes act where those that lead put the tip."""
@@ -101,11 +110,64 @@ class Coupling:
 
 
 class Stretch:
-    """Consecutive steps with one tool; itself the function that a world calls."""
+    """Consecutive steps with one tool; itself the function that a world calls.
 
-    def __init__(self, plan: Plan, steps: StepWindow, begin: int, end: int, stints: list[Stint]) -> None:
-        self._plan, self._steps = plan, steps
+    `watch` looks at what else of the machine comes to stocks, and `seen` is what it saw in these steps. `again` makes
+    a stretch of some of the steps.
+    """
+
+    def __init__(
+        self,
+        plan: Plan,
+        steps: StepWindow,
+        begin: int,
+        end: int,
+        stints: list[Stint],
+        again: Callable[[int, int], Stretch],
+    ) -> None:
+        self._plan, self._steps, self._again = plan, steps, again
         self.begin, self.end, self.stints = begin, end, stints
+        self.watch: StockWatch | None = None
+        self.seen: Sighting | None = None
+
+    @property
+    def tool(self) -> int:
+        """The number of the tool in the spindle."""
+        return int(self._steps.tool[self.begin])
+
+    def look(self) -> Sighting | None:
+        """How far the machine comes without a body of it in a stock as that is now; None: there is nothing to hit."""
+        self._see(whether=True)
+        return self.seen
+
+    def settle(self) -> None:
+        """The steps are done: a body that was seen in material is so only if that is still there."""
+        if self.watch is None:
+            return
+        if self.seen is not None and self.seen.meets:
+            self._see(whether=False)
+        self.watch.keep(self.seen, self.tool)
+
+    def _see(self, *, whether: bool) -> None:
+        if self.watch is not None:
+            steps, begin = self._steps, self.begin
+            before = steps.q[begin - 1] if begin else steps.q_begin
+            way = np.concatenate([before[None], steps.q[begin : self.end]])
+            self.seen = self.watch.look(way, self.tool, whether=whether)
+
+    def __len__(self) -> int:
+        return self.end - self.begin
+
+    def divided(self, after: int) -> list[Stretch]:
+        """The same steps as two stretches, the first of `after` steps; none where they cannot be divided."""
+        whole = any(stint.task.process.leads or stint.parts is not None or stint.anew for stint in self.stints)
+        if whole or not 0 < after < len(self):
+            return []
+        middle = self.begin + after
+        parts = [self._again(self.begin, middle), self._again(middle, self.end)]
+        for part in parts:
+            part.watch = self.watch
+        return parts
 
     @property
     def pushes(self) -> bool:

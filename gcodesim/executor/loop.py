@@ -193,7 +193,9 @@ def _move(track: Track, cutter: CutThread, cut: WindowCut, following: WindowCut 
     """
     moved: list[WorldSteps] = []
     follows, world = True, track.world
-    for index, stretch in enumerate(cut.stretches):
+    index = -1
+    while (index := index + 1) < len(cut.stretches):
+        stretch = cut.stretches[index] if world.keeps_to_command else cut.ready(index)
         q = cut.window.q[stretch.begin : stretch.end]
         if not stretch.pushes and world.keeps_to_command:
             moved.extend(track.move(stretch, cut.window))
@@ -203,6 +205,7 @@ def _move(track: Track, cutter: CutThread, cut: WindowCut, following: WindowCut 
             follows = False
             moved.append(world.run(q, stretch if stretch.pushes else None))
             stretch.finish()
+            stretch.settle()
             cut.wrenches.append(np.zeros(0))
         elif world.keeps_up(q, cut.wrenches[index]):
             moved.append(track.run_world(cut.window, stretch.begin, stretch.end, cut.wrenches[index]))
@@ -213,6 +216,7 @@ def _move(track: Track, cutter: CutThread, cut: WindowCut, following: WindowCut 
             cutter.take_back(cut, first=index)
             moved.append(world.run(q, stretch))
             stretch.finish()
+            stretch.settle()
             cut.wrenches.append(np.zeros(0))
             cutter.cut(cut)
         track.carry_on(stretch)

@@ -36,6 +36,7 @@ from gcodesim.solids.mass import MassOfSkin
 from gcodesim.world import RobotBody, WorldSteps, open_world, tool_body
 
 if TYPE_CHECKING:
+    from gcodesim.checks.stock_watch import StockWatch
     from gcodesim.material.passes import Passes
     from gcodesim.planning import Plan
 
@@ -116,13 +117,17 @@ class Execution:
 
 @frozen(eq=False)
 class TrackPlan:
-    """What a channel brings to a run: its plan, its shop, who looks at its steps, and what it is about, if not all."""
+    """What a channel brings to a run: its plan, its shop, who looks at its steps, and what it is about, if not all.
+
+    `bodies` looks at how near its machine comes to stocks.
+    """
 
     plan: Plan
     shop: Shop
     inspect: Inspect | None = None
     watcher: Watcher | None = None
     only: Only | None = None
+    bodies: StockWatch | None = None
 
 
 class Track:
@@ -146,7 +151,7 @@ class Track:
             parts.devices.follow(shop.channel, plan)
         self.plan, self.shop, self.watcher = plan, shop, brought.watcher
         self.rows = RowColumns.of(plan.path, shop)
-        self._inspect, self._dt_ns = brought.inspect, dt_ns
+        self._inspect, self._dt_ns, self._bodies = brought.inspect, dt_ns, brought.bodies
         self._sheet = shop.sheet
         self._totals = RowTotals.zeros(len(self.rows.tool), self._sheet)
         self._standing: dict[str, float] = {}
@@ -190,6 +195,8 @@ class Track:
         self.plan, self.rows = plan, RowColumns.of(plan.path, self.shop)
         self._totals.grow(len(self.rows.tool))
         self._coupling.follow(plan, self.rows)
+        if self._bodies is not None:
+            self._bodies.follow(plan)
         if self.parts is not None:
             self.parts.devices.follow(self.shop.channel, plan)
 
@@ -221,6 +228,8 @@ class Track:
         bounds = (np.flatnonzero(changes) + 1).tolist()
         borders = zip([0, *bounds], [*bounds, len(window)], strict=True)
         stretches = [self._coupling.stretch(window, begin, end, cuts=not kept[begin]) for begin, end in borders]
+        for stretch in stretches:
+            stretch.watch = self._bodies
         return WindowCut(window=window, stretches=stretches, looks=looks)
 
     def save(self) -> Callable[[], None]:
@@ -297,6 +306,11 @@ class Track:
             tips = window.tip if np.array_equal(steps.q, window.q) else self.plan.tip(steps.q, window.row)
             self._accuracy.add(record, tips[:, :3, 3] + record.deflection[:, :3])
         self._standing = record.standing
+        if self._bodies is not None:
+            for stretch in cut.stretches:
+                here = slice(stretch.begin, stretch.end)
+                times = window.ticks[stretch.begin : stretch.end + 1].astype(float) * (self._dt_ns * 1e-9)
+                self._bodies.take(stretch.seen, stretch.tool, window.row[here], times)
         add_changes(self.changes, cut.stints)
         self.freed.extend(piece for _, piece in record.freed)
         if self._passes:

@@ -30,6 +30,7 @@ from gcodesim.processes.signal import SPINDLE
 from gcodesim.shop import Shop
 
 if TYPE_CHECKING:
+    from gcodesim.checks.stock_watch import StockWatch
     from gcodesim.executor import Execution
     from gcodesim.planning import Plan
     from gcodesim.tools.tool import Tool
@@ -41,8 +42,11 @@ LESS: Final = "cut less deep, less wide or slower"
 class Inspector:
     """Inspects a run while it goes on, so that findings are at their times in the log, and again at its end."""
 
-    def __init__(self, plan: Plan, shop: Shop, dt_ns: int, *, freely: bool = False) -> None:
-        self._shop, self._dt = shop, dt_ns * 1e-9
+    def __init__(
+        self, plan: Plan, shop: Shop, dt_ns: int, *, freely: bool = False, bodies: StockWatch | None = None
+    ) -> None:
+        """`bodies` knows how near the machine has come to stocks; `freely`: parts are free in the world."""
+        self._shop, self._dt, self._bodies = shop, dt_ns * 1e-9, bodies
         self._known: set[tuple[str, Span]] = set()
         self._loads = loads_of(shop.cell.limits)
         self._grips: list[Diagnostic] = []
@@ -99,6 +103,7 @@ class Inspector:
         freed = [loose_finding(piece, self._plan, self._shop) for _, piece in record.freed]
         self._freed += freed
         found += freed
+        found += [] if self._bodies is None else self._bodies.fresh()
         if record.world.saturated.any():
             found += self._saturation(joints)
         if self._above_limits(record):
@@ -116,6 +121,7 @@ class Inspector:
             *self._freed,
             *self._saturation(execution.joints),
             *self._limits(execution.rows),
+            *([] if self._bodies is None else self._bodies.findings()),
         ]
 
     def of_grips(self, execution: Execution) -> list[Diagnostic]:

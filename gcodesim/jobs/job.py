@@ -20,6 +20,7 @@ from gcodesim.rs274 import Run, Settings
 from gcodesim.shop import Shop
 
 if TYPE_CHECKING:
+    from gcodesim.checks.stock_watch import StockWatch
     from gcodesim.executor.halt import RunHalt
     from gcodesim.executor.record import StepRecord
     from gcodesim.executor.tasks import Only
@@ -71,6 +72,9 @@ class Onward(Protocol):
 
     def stock_up(self) -> bool:
         """Load the stocks; False if a fault in one of them, which is reported, keeps the job from running."""
+
+    def watch_stocks(self) -> StockWatch | None:
+        """Who looks in a run at what the machine does to stocks as they then are; findings of the plan go."""
 
     def stop(self) -> None:
         """Somebody stopped the run: report what has been found while reading up to then."""

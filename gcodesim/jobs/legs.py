@@ -24,6 +24,7 @@ from gcodesim.checks.deaf_tools import deaf_tool_findings
 from gcodesim.checks.empty_spindle import empty_spindle_findings
 from gcodesim.checks.ends import left_on
 from gcodesim.checks.idle import blind_axis_findings
+from gcodesim.checks.machine_collisions import STOCK_HIT
 from gcodesim.checks.speed import speed_findings
 from gcodesim.checks.told_once import told_once
 from gcodesim.diagnostics import Diagnostic, Severity, Span
@@ -39,6 +40,7 @@ from gcodesim.planning import Plan, plan_path, posing_of
 from gcodesim.planning.handing_over import tool_after, with_handing_over
 from gcodesim.planning.legs import followed_by
 from gcodesim.planning.switched import history_of
+from gcodesim.processes import PROCESSES
 from gcodesim.processes.signal import ACTIVE, BEAM, BEAM_POWER, FLOW, SPRAY
 from gcodesim.shop import Shop, with_stock
 from gcodesim.tools.gripper import Gripper
@@ -49,6 +51,7 @@ if TYPE_CHECKING:
     from gcodesim.checks.contact import Contact
     from gcodesim.checks.machine_collisions import MachineChecks
     from gcodesim.checks.postures import Postures
+    from gcodesim.checks.stock_watch import StockWatch
     from gcodesim.executor.halt import RunHalt
     from gcodesim.jobs.job import Job
 
@@ -87,6 +90,7 @@ class Legs:
         self._outputs: dict[str, float] = {}  # digital P0 …, analog E0 …
         self._unheard: dict[str, tuple[int, Span]] = {}
         self._halted = False  # whether the machine stands where a sensor is asked
+        self._watched: frozenset[str] = frozenset()  # stocks that are looked at while they are cut
         self._touched: tuple[str, float] | None = None  # what the last leg touched, and how far it went in after that
 
     @property
@@ -273,7 +277,29 @@ class Legs:
             hits = clearance_findings(plan, tools, standing, X_BM=shop.X_BM)
             apart = shop.cell.limits.apart
             yield from (hit for hit in hits if frozenset(hit.bodies) not in apart and not self._backs_off(hit))
-        yield from self._machine_checks.findings(plan)
+        yield from (hit for hit in self._machine_checks.findings(plan) if not self._is_watched(hit))
+
+    def _is_watched(self, hit: Diagnostic) -> bool:
+        """Whether a finding is about a stock as it is at the start, while a run looks at it as it then is."""
+        return hit.code == STOCK_HIT and not self._watched.isdisjoint(hit.bodies)
+
+    def watch_stocks(self) -> StockWatch | None:
+        """Who looks in a run at what the machine does to stocks as they then are; findings of the plan go."""
+        from gcodesim.checks.stock_watch import StockWatch, WatchedStock
+
+        shop, plan = self.shop, self._job.plan
+        lays = any(PROCESSES[kind].lays for tool in shop.cell.tools.values() for kind in tool.processes)
+        found = [
+            WatchedStock.of(shop.scene, shop.name, name, placed.frame, placed.stock, grows=lays)
+            for name, placed in shop.stocks.items()
+            if not placed.revolved
+        ]
+        stocks = [stock for stock in found if stock is not None]
+        if not stocks or plan is None:
+            return None
+        self._watched = frozenset(stock.name for stock in stocks)
+        self._job.findings.withdraw([finding for finding in self._job.findings if self._is_watched(finding)])
+        return StockWatch(self._machine_checks, stocks, plan)
 
     @cached_property
     def _machine_checks(self) -> MachineChecks:

@@ -68,20 +68,21 @@ CODES: tuple[Code, ...] = (
     ),
     Code(
         code="GS307",
-        severity=Severity.WARNING,
+        severity=Severity.ERROR,
         title="Link hits the stock",
-        what="A link, or a fixture that the machine carries, enters a stock in the shape that this has at the start;"
-        " what the program has cut away by then still counts." + _MOVING,
+        what="A link, or a fixture that the machine carries, such as the head of its spindle, enters a stock. A run"
+        " looks at the stock as it stands by then, to half a cell; the depth is that in the deepest of its columns."
+        " `check`, which cuts nothing, knows only the shape at the start: there it is a warning." + _MOVING,
         why="The link pushes against the part, which moves or breaks.",
-        remedy="Use a longer tool, or place the work so that the arm reaches it from outside. Where the link goes into"
-        " what has been cut out, nothing is wrong.",
+        remedy="Use a longer tool, cut more away before, or place the work so that the arm reaches it from outside.",
     ),
     Code(
         code="GS308",
         severity=Severity.WARNING,
         title="Near miss",
         what="A link, a tool or a fixture that the machine carries comes nearer to a fixture than `clearance` under"
-        " `limits` allows, without touching it. The message has the least distance of one passing, and where.",
+        " `limits` allows, without touching it; in a run also a link or such a fixture to a stock as it is cut by then."
+        " The message has the least distance of one passing, and where.",
         why="Fixtures stand, and arms go, some tenths of a millimetre or some millimetres beside where they are drawn.",
         remedy="Keep more distance. Without `clearance` in the cell nothing is said of near misses.",
     ),

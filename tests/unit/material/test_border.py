@@ -23,8 +23,14 @@ NAMES = {*Columns._fields, *Field._fields, *Grid._fields}
 """What a field holds. Others have columns, grids and numbers too, so it counts what they are asked of."""
 OF_A_FIELD = {"field", "stock", "view"}
 KERNELS = "gcodesim.material.kernels"
-OWN = {"sweep_kernels": {"CONE", "CYLINDER", "Shape"}}
-"""What is taken from other files with kernels: the shapes of tools."""
+OWN = {
+    "sweep_kernels": {"CONE", "CYLINDER", "Shape"},
+    "field_kernels": {"Field"},
+    "column_kernels": {
+        *("breadth", "column_at", "columns_of_patch", "finest", "interval_of", "patch_room", "patches_within")
+    },
+}
+"""What is taken from other files with kernels: shapes of tools, and columns by what may be asked of them."""
 
 
 def last_name(node: ast.expr) -> str:
