@@ -280,8 +280,11 @@ class Legs:
         yield from (hit for hit in self._machine_checks.findings(plan) if not self._is_watched(hit))
 
     def _is_watched(self, hit: Diagnostic) -> bool:
-        """Whether a finding is about a stock as it is at the start, while a run looks at it as it then is."""
-        return hit.code == STOCK_HIT and not self._watched.isdisjoint(hit.bodies)
+        """Whether a finding is about a stock as it is at the start, while a run looks at it as it then is.
+
+        What says that an arm could not avoid it stays.
+        """
+        return hit.code == STOCK_HIT and hit.related is None and not self._watched.isdisjoint(hit.bodies)
 
     def watch_stocks(self) -> StockWatch | None:
         """Who looks in a run at what the machine does to stocks as they then are; findings of the plan go."""
