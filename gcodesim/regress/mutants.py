@@ -11,18 +11,23 @@ from typing import TYPE_CHECKING, Any, Final, Literal
 from uuid import uuid4
 
 from gcodesim.diagnostics import SourceText
+from gcodesim.files.repository import top_of
 from gcodesim.frozen import frozen
 from gcodesim.regress.case import Case, shown_path
 from gcodesim.regress.mutation import CELL_OPERATORS, PROGRAM_OPERATORS, Mutation, mutate_cell, mutate_program
 from gcodesim.regress.tolerance import DEFAULTS, Tolerance
 from gcodesim.regress.workers import in_parallel
 from gcodesim.setups.naming import is_job_file
+from gcodesim.setups.setup_file import read_job_file
 
 if TYPE_CHECKING:
     from gcodesim.regress.facts import Facts
     from gcodesim.regress.outcome import Judging
 
 SCHEMA: Final = "gcodesim-mutants/1"
+
+_Ground = tuple[Case, Path, Path | None]
+"""A case, and a program and cell of it that may be changed."""
 
 Fate = Literal["seen", "not_seen", "no_effect"]
 """The case fails; it passes although something differs, or nothing was there to compare with; nothing differs."""
@@ -51,11 +56,14 @@ class MutantVerdict:
 
 
 def draw(cases: Sequence[Case], root: Path, count: int, seed: int) -> tuple[Mutant, ...]:
-    """`count` mutants of `cases`; fewer if nothing more can be changed. The same seed draws the same ones."""
-    cases = [case for case in cases if not is_job_file(case.program)]  # its programs are cases of their own
+    """`count` mutants of `cases`; fewer if nothing more can be changed. The same seed draws the same ones.
+
+    Of a job, programs and cells of its set-ups are changed.
+    """
+    grounds = [ground for case in cases for ground in _programs_of(case, root)]
     drawn: dict[tuple[str, str, str], Mutant] = {}
     for number in range(count * _TRIES):
-        mutant = _draw_one(cases, root, Random(f"{seed}/{number}"))
+        mutant = _draw_one(grounds, root, Random(f"{seed}/{number}"))
         if mutant is not None:
             drawn.setdefault((mutant.case.name, mutant.file, mutant.mutation.text), mutant)
         if len(drawn) == count:
@@ -63,12 +71,21 @@ def draw(cases: Sequence[Case], root: Path, count: int, seed: int) -> tuple[Muta
     return tuple(drawn.values())
 
 
-def _draw_one(cases: Sequence[Case], root: Path, random: Random) -> Mutant | None:
+def _programs_of(case: Case, root: Path) -> list[_Ground]:
+    """The program of a case and its cell; of a job those of all its set-ups."""
+    if not is_job_file(case.program):
+        return [(case, case.program, case.cell)]
+    allowed = (top_of(case.program.parent), top_of(root), *case.allow_path)
+    job = read_job_file(SourceText.read(case.program), case.program, allowed)
+    return [(case, setup.program, setup.cell) for setup in job.setups or () if not setup.skip]
+
+
+def _draw_one(grounds: Sequence[_Ground], root: Path, random: Random) -> Mutant | None:
     """A change of one case; None if the operator that was drawn finds nothing to change."""
-    case = random.choice(cases)
-    path, change, operators = case.program, mutate_program, list(PROGRAM_OPERATORS)
-    if case.cell is not None and random.random() >= _SHARE_OF_PROGRAMS:
-        path, change, operators = case.cell, mutate_cell, list(CELL_OPERATORS)
+    case, program, cell = random.choice(grounds)
+    path, change, operators = program, mutate_program, list(PROGRAM_OPERATORS)
+    if cell is not None and random.random() >= _SHARE_OF_PROGRAMS:
+        path, change, operators = cell, mutate_cell, list(CELL_OPERATORS)
     text = "\n".join(SourceText.read(path).lines) + "\n"
     mutation = change(random, text, random.choice(operators))
     if mutation is None or mutation.text == text:

@@ -31,7 +31,11 @@ def job_outcome(case: Case, source: SourceText, how: Judging) -> Outcome:
     if job.setups is not None:
         only_check = case.options.mode == "check"
         given = How(
-            options=options_of(case, how), only_check=only_check, allow_paths=allowed, allow_code=how.allow_code
+            options=options_of(case, how),
+            only_check=only_check,
+            allow_paths=allowed,
+            allow_code=how.allow_code,
+            read=case.read,
         )
         try:
             for one in run_setups(job, given):

@@ -9,9 +9,9 @@ from dataclasses import replace
 from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING, Any, Literal
 
-from gcodesim.cell import LoadedCell, load_cell
+from gcodesim.cell import LoadedCell
 from gcodesim.cell.leftover import Leftover
-from gcodesim.cell.loader import CellChange
+from gcodesim.cell.loader import CellChange, read_cell
 from gcodesim.cell.verdict import suppressed_findings
 from gcodesim.diagnostics import Diagnostic, SourceText, Span
 from gcodesim.files.code_digest import code_digest
@@ -55,7 +55,7 @@ class SetupRun:
 class How:
     """How all set-ups of a job run: `said` is what the command line says of reading, `only_check` without material.
 
-    `change` gives single values in the cell of a set-up, by the name of that.
+    `change` gives single values in the cell of a set-up, by the name of that; `read` reads programs and cells.
     """
 
     options: Options
@@ -66,6 +66,7 @@ class How:
     said: str = ""
     progress: Callable[[Progress], None] | None = None
     change: Callable[[str, CellChange], CellChange] = lambda _, change: change
+    read: Callable[[Path], SourceText] = SourceText.read
 
 
 def run_setups(job: JobFile, how: How) -> Iterator[SetupRun]:
@@ -85,8 +86,8 @@ def run_setups(job: JobFile, how: How) -> Iterator[SetupRun]:
                 continue
             change = how.change(setup.name, setup.change(job.source, job.path.parent, dict(left)))
             left[setup.name] = nothing
-            name = _name_of_cell(setup, job)
-            loaded = load_cell(setup.cell, how.allow_paths, name=name, allow_code=how.allow_code, change=change)
+            cell = replace(how.read(setup.cell), name=_name_of_cell(setup, job))
+            loaded = read_cell(cell, setup.cell, how.allow_paths, allow_code=how.allow_code, change=change)
             done = _run_one(setup, loaded, how, code)
             if done.made is not None and (how.out is None or how.only_check):
                 _keep_stocks(done, Path(spare) / setup.name)
@@ -98,15 +99,15 @@ def run_setups(job: JobFile, how: How) -> Iterator[SetupRun]:
                 return
 
 
-def _name_of_cell(setup: Setup, job: JobFile) -> str | None:
-    """How findings call the cell: as usual, but with its folder if the job file bears the same name."""
+def _name_of_cell(setup: Setup, job: JobFile) -> str:
+    """How findings call the cell: by its file's name, but with its folder if the job file bears the same name."""
     if setup.cell.name != job.source.name:
-        return None
+        return setup.cell.name
     return PurePosixPath(os.path.relpath(setup.cell, job.path.parent)).as_posix()
 
 
 def _run_one(setup: Setup, loaded: LoadedCell, how: How, code: str) -> SetupRun:
-    program = SourceText.read(setup.program)
+    program = how.read(setup.program)
     folder = None if how.out is None or how.only_check else how.out / setup.name
     key = key_of(program, loaded, how.options, how.said, code)
     sources = {**loaded.sources, program.name: program}

@@ -59,6 +59,31 @@ def test_an_original_runs_once_for_all_its_changes(suite: Path, monkeypatch: pyt
     assert [one.mutant for one in verdicts] == list(mutants)
 
 
+def test_programs_and_cells_of_the_set_ups_of_a_job_are_changed(tmp_path: Path) -> None:
+    """In memory, set-up by set-up; a feed that halves the time of one is seen in the results of the job."""
+    (tmp_path / "cell.yaml").write_text(
+        "gcodesim: 1\nmachine: gantry_xyz\nsimulation: {world: kinematic}\n"
+        "tools: {1: {type: flat_end_mill, diameter: 6}}\n"
+    )
+    for name, feed in (("one", 600), ("two", 900)):
+        text = f"G21 G90 G94\nT1 M6\nG0 X10 Y10\nG1 X50 F{feed}\nX10\nM2\n"
+        (tmp_path / f"{name}.nc").write_text(text)
+    (tmp_path / "job.yaml").write_text(
+        "gcodesim-job: 1\nsetups:\n  first: {program: one.nc, cell: cell.yaml}\n"
+        "  second: {program: two.nc, cell: cell.yaml}\n"
+    )
+    (tmp_path / "job.test.yaml").write_text("program: job.yaml\n")
+    before = contents(tmp_path)
+    (case,) = collect([tmp_path], tmp_path).cases
+    mutants = draw([case], tmp_path, 30, 1)
+    assert {one.file for one in mutants} == {"one.nc", "two.nc", "cell.yaml"}
+    feeds = [one for one in mutants if one.mutation.operator == "feed"]
+    fates = {one.fate for one in judge_mutants(feeds[:2], Judging(root=tmp_path))}
+
+    assert fates == {"not_seen"}  # something differs, and nothing is accepted that it could be compared with
+    assert contents(tmp_path) == before
+
+
 def test_a_suite_that_compares_nothing_sees_little(
     suite: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
