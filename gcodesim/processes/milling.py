@@ -54,6 +54,12 @@ TREMBLE: Final = 0.3
 """Share of its speed with which a tip may move along its axis and still be said to rest on the floor that it cuts."""
 
 
+SIDEWAYS: Final = Column("sideways_cut", "m^3", "sum", FINDINGS, "taken by a drill or the like that goes sideways")
+
+ALONG: Final = 0.05
+"""Share of its way by which a drill may go beside its axis: an arm is not straighter while it bends."""
+
+
 @frozen(slots=False, eq=False)
 class Milling(Process):
     """The cutting process of one cutter; without a law (stock of unknown material) it removes but feels no force."""
@@ -96,8 +102,8 @@ class Milling(Process):
 
     @classmethod
     def columns_of(cls, tool: Cutter) -> tuple[Column, ...]:
-        load = LOAD_COLUMNS if tool.watched else ()
-        return (*cls.writes, *load, *((WEAR,) if tool.life is not None else ()))
+        own = (*(LOAD_COLUMNS if tool.watched else ()), *((SIDEWAYS,) if tool.axial else ()))
+        return (*cls.writes, *own, *((WEAR,) if tool.life is not None else ()))
 
     @classmethod
     def of_revolved(cls, tool: Cutter, material: Material | None) -> Process | None:
@@ -231,6 +237,7 @@ class Milling(Process):
                 "rapid_bound": np.where(rapid, bound, 0.0),
                 "inside": out[:, m.INSIDE] > 0.0,
                 **({} if not self.cutter.watched else self._load.columns(out, window)),
+                **self._sideways(removed, window),
                 **self._wear(out[:, m.ENGAGED] > 0.0, window),
             },
         )
@@ -240,6 +247,15 @@ class Milling(Process):
         if self.cutter.life is None:
             return {}
         return {WEAR.name: worn(self.cutter, window.signals[SPINDLE.name], engaged & ~window.rapid, window.dt)}
+
+    def _sideways(self, removed: Array, window: Window) -> dict[str, Array]:
+        """What a tool that cuts along its axis only takes while it goes another way."""
+        if not self.cutter.axial:
+            return {}
+        along = _along_axis(window.velocity, window.axis)
+        square = np.sum(window.velocity * window.velocity, axis=1)
+        across = square - along * along > ALONG * ALONG * square
+        return {SIDEWAYS.name: np.where(across & ~window.rapid, removed, 0.0)}
 
     def _grazed(self, stock: Stock, window: Window) -> Array:
         """What a rapid may seem to remove (n,) [m³] while it only grazes: half a cell of all wall that it passes."""

@@ -31,7 +31,7 @@ _LEFT_TAPS: Final = frozenset(("G74",))
 
 
 def cutter_findings(rows: Rows) -> list[Diagnostic]:
-    """GS401 to GS405, GS407, GS501 and GS502, from the columns that `Milling` writes."""
+    """GS401 to GS405, GS407, GS409, GS501 and GS502, from the columns that `Milling` writes."""
     bound = rows["rapid_bound"] + _least(rows)
     # on its way out of a hole: the tool has been down there already
     rapid_cut = np.where(rows.retreat, 0.0, rows["rapid_cut"])
@@ -47,6 +47,7 @@ def cutter_findings(rows: Rows) -> list[Diagnostic]:
         *_in_stock(rows, "holder", holder, away),
         *_spindle(rows, "GS501", stopped, bound),
         *_spindle(rows, "GS502", backwards, bound),
+        *_sideways(rows),
     ]
     return [*_folded(found), *_blind(rows)]
 
@@ -136,6 +137,18 @@ def _in_stock(rows: Rows, part: str, depth: Array, away: Flags) -> Iterator[Diag
         worst = float(depth[event].max()) / MM
         message = f"{part} of {rows.tool_name(int(event[0]))} runs into stock, {worst:.3f} mm deep"
         yield rows.told(event, code, message, hint, (worst, 0.0, "mm"))
+
+
+def _sideways(rows: Rows) -> Iterator[Diagnostic]:
+    cut, least = rows["sideways_cut"], _least(rows)
+    for event in rows.events(cut > 0.0):
+        taken = float(cut[event].sum())
+        if taken <= least[event].max():
+            continue  # its own wall, as the grid shows it
+        tool = rows.tools.get(int(rows.tool[event[0]]))
+        kind = "tool" if tool is None else tool.kind.replace("_", " ")
+        message = f"{rows.tool_name(int(event[0]))} takes {taken / MM3:.1f} mm³ sideways, and a {kind} cuts along its axis"
+        yield rows.told(event, "GS409", message, "lift it before the move, or use a mill", (taken / MM3, 0.0, "mm^3"))
 
 
 _TURNS: Final = {

@@ -16,6 +16,7 @@ class BoringBar(NeckedCutter):
     """A boring bar in a spindle; it needs a bore, into which its bar fits, and cuts with the side of its insert."""
 
     kind: ClassVar[str] = "boring_bar"
+    axial: ClassVar[bool] = True
     center_cutting: ClassVar[bool] = False
 
     diameter: float = key("length", "diameter of the bore that it makes")

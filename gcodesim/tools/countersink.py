@@ -16,6 +16,7 @@ class Countersink(ConicalCutter):
     """A countersink; only the cone cuts, the cylinder above it guides."""
 
     kind: ClassVar[str] = "countersink"
+    axial: ClassVar[bool] = True
 
     angle: float = key("angle", "included angle of the cone, edge to edge", default=90.0 * DEG, rule="90 deg")
     flutes: int = key("count", "number of teeth", default=3)

@@ -72,6 +72,8 @@ class Cutter(Tool):
     center_cutting: ClassVar[bool] = True
     turns: ClassVar[bool] = True
     """Whether the spindle has to turn while it cuts."""
+    axial: ClassVar[bool] = False
+    """Whether it cuts along its axis only, as drills and taps do."""
 
     diameter: float = key("length", "cutting diameter")
     flutes: int = key("count", "number of teeth", default=2)

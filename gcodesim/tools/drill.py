@@ -23,6 +23,7 @@ class Drill(Cutter):
     """
 
     kind: ClassVar[str] = "drill"
+    axial: ClassVar[bool] = True
 
     point_angle: float = key(
         "angle", "angle of the point, lip to lip", default=118.0 * DEG, rule="118 deg", example="140 deg"

@@ -15,6 +15,7 @@ class Reamer(FormCutter):
     """A reamer; its 45 degree lead cuts, the cylinder above it guides, and its face has no edges."""
 
     kind: ClassVar[str] = "reamer"
+    axial: ClassVar[bool] = True
     center_cutting: ClassVar[bool] = False
 
     flutes: int = key("count", "number of teeth", default=6)

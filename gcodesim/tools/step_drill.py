@@ -17,6 +17,7 @@ class StepDrill(FormCutter):
     """A drill of `tip_diameter` for the first `step_length`, and of `diameter` above; the two cones cut."""
 
     kind: ClassVar[str] = "step_drill"
+    axial: ClassVar[bool] = True
 
     tip_diameter: float = key("length", "diameter of the first step", example="5 mm")
     step_length: float = key("length", "from the tip to where the second cone begins", example="12 mm")

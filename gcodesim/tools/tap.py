@@ -19,6 +19,7 @@ class ThreadTap(FormCutter):
     """A tap for a 60 degree thread: it takes a cylinder of the pitch diameter, as much as the thread, without force."""
 
     kind: ClassVar[str] = "tap"
+    axial: ClassVar[bool] = True
     center_cutting: ClassVar[bool] = False
 
     pitch: float = key("length", "pitch of the thread", example="1.25 mm")

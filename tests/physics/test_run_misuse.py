@@ -155,3 +155,24 @@ def test_a_longer_tool_stands_where_it_is_put_in(change: str, instant: bool, hei
 
     assert ran.stock.removed == 0.0
     assert ran.misuse == ([("GS403", 6 + 2 * (change == "twice"))] if stands else [])
+
+
+AXIAL = {
+    "drill": "diameter: 6",
+    "spot_drill": "diameter: 8",
+    "step_drill": "tip_diameter: 5, step_length: 6, diameter: 8",
+    "countersink": "diameter: 10",
+    "reamer": "diameter: 6",
+    "tap": "diameter: 6, pitch: 1",
+    "flat_end_mill": "diameter: 6",
+}
+
+
+@pytest.mark.parametrize("kind", AXIAL)
+def test_a_drill_that_mills_sideways_is_told(kind: str) -> None:
+    """Fed across at depth; down and up again, also along the same wall, is what it is for."""
+    cell = GANTRY + f"tools:\n  1: {{type: {kind}, {AXIAL[kind]}, length: 60}}\n"
+    begin, end = "G21 G90\nT1 M6\nG43 H1\nS2000 M3\nG0 X10 Y15 Z3\nG1 Z-4 F200\n", "G1 Z3 F600\nM5\nM2\n"
+    sideways = [code for code, _ in run_texts(begin + "X25 F300\n" + end, cell).misuse if code == "GS409"]
+    assert sideways == ([] if kind == "flat_end_mill" else ["GS409"])
+    assert run_texts(begin + "Z-2\nZ-6 F200\n" + end, cell).misuse == []
