@@ -18,7 +18,7 @@ def finest(field: Field) -> float:
 def breadth(field: Field) -> float:
     """The longer side of all columns together [m]."""
     nx, ny = field.columns.number.shape
-    return max(field.grid.dx * nx, field.grid.dy * ny)
+    return float(max(field.grid.dx * nx, field.grid.dy * ny))
 
 
 @kernel(lean=True)

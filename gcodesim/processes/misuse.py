@@ -147,7 +147,8 @@ def _sideways(rows: Rows) -> Iterator[Diagnostic]:
             continue  # its own wall, as the grid shows it
         tool = rows.tools.get(int(rows.tool[event[0]]))
         kind = "tool" if tool is None else tool.kind.replace("_", " ")
-        message = f"{rows.tool_name(int(event[0]))} takes {taken / MM3:.1f} mm³ sideways, and a {kind} cuts along its axis"
+        name = rows.tool_name(int(event[0]))
+        message = f"{name} takes {taken / MM3:.1f} mm³ sideways, and a {kind} cuts along its axis"
         yield rows.told(event, "GS409", message, "lift it before the move, or use a mill", (taken / MM3, 0.0, "mm^3"))
 
 

@@ -99,5 +99,8 @@ class RunThread:
     def stop(self) -> None:
         """Nothing is left to report."""
 
+    def watch_stocks(self) -> None:
+        """What a session moves is not checked for collisions."""
+
     def tell_of_untouched_stock(self) -> None:
         """A session does not probe."""

@@ -69,8 +69,9 @@ CODES: tuple[Code, ...] = (
         code="GS409",
         severity=Severity.WARNING,
         title="Drill mills sideways",
-        what="A drill, spot drill, step drill, countersink, reamer, tap or boring bar takes material while it does not go"
-        " along its axis: its path leaves that by more than a twentieth. The cut is simulated as if its sides had edges.",
+        what="A drill, spot drill, step drill, countersink, reamer, tap or boring bar takes material while it does not"
+        " go along its axis: its path leaves that by more than a twentieth. The cut is simulated as if its sides had"
+        " edges.",
         why="Such tools cut with their point or lead alone. Fed sideways they rub, run off and break.",
         remedy="Lift the tool before it goes across, or use a mill; for a groove or an edge with a spot drill say"
         " `type: chamfer_mill` in the cell.",
