@@ -29,6 +29,8 @@ def attitude_of(cell: Cell, channel: str, placement: Placement) -> AttitudeLaw |
         return WordTurns(turns=own.words)
     if columns_of(cell.robots[str(cell.channels[channel].robot)].externals):
         return None  # its words belong to external axes
+    if own is not None and own.tool_axis.surface is not None and not placement.leaning:
+        return Direction()
     down = -placement.X_WM.R[:, 2]
     for system in placement.given or (1,):
         if np.abs(placement.tool_axis(own, system) - down).max() > _UPRIGHT:

@@ -7,9 +7,9 @@ from collections.abc import Mapping
 from typing import Any, Final, Literal
 
 from gcodesim.actions import ACTIONS
-from gcodesim.canon.systems import system_name
 from gcodesim.cell.firmware import Firmware
 from gcodesim.cell.inputs import INPUTS, InputKind, InputSource
+from gcodesim.cell.orientation import Orientation
 from gcodesim.cell.placing import SYSTEM_NAMES, Place
 from gcodesim.cell.signals import SIGNALS, SignalSource
 from gcodesim.declarations.composed import ListOf
@@ -21,11 +21,10 @@ from gcodesim.declarations.nodes import Mapping as MappingNode
 from gcodesim.declarations.nodes import Node, Scalar
 from gcodesim.declarations.plain_kinds import Choice, Switch, Text, Whole
 from gcodesim.declarations.quantity import Quantity
-from gcodesim.declarations.reading import UNREAD, Path, Reading, Reference, Unread, suggestion
+from gcodesim.declarations.reading import UNREAD, Path, Reading, Unread, suggestion
 from gcodesim.declarations.record import Record, not_a_mapping
 from gcodesim.declarations.scalars import measured
 from gcodesim.frozen import frozen
-from gcodesim.kinematics.attitude import WordTurn
 from gcodesim.processes.signal import actions_of_all
 from gcodesim.rs274.dialects import DIALECTS
 from gcodesim.rs274.settings import canonical_m_code
@@ -33,11 +32,7 @@ from gcodesim.sensors.orders import orders_of_all
 
 DEFAULT_PATH_CONTROL: Final = "G64"
 
-_AXIS = re.compile(r"\s*([+-]?)\s*([XYZxyz])(?:\s+of\s+(\S+))?\s*")
 _PATH_CONTROL = re.compile(r"\s*[Gg]\s*(61\.1|61|64)\s*(?:[Pp]\s*([0-9.]+))?\s*(?:[Qq]\s*([0-9.]+))?\s*")
-
-_TURN = re.compile(r"([XYZxyz])\s*\(\s*([+-]?)\s*([ABCabc])\s*\)")
-_TURNS = re.compile(r"(\s*[XYZxyz]\s*\(\s*[+-]?\s*[ABCabc]\s*\)){1,3}\s*")
 
 VERBS: Final[dict[str, tuple[str, ...]]] = {"tool": ("activate", "deactivate"), "gripper": ("open", "close")}
 """What an M-code may do, and to what, before processes of third parties add to it."""
@@ -55,124 +50,6 @@ def all_verbs() -> dict[str, tuple[str, ...]]:
     more = {**actions_of_all(), **orders_of_all()}
     names = dict.fromkeys([*VERBS, *more])
     return {name: tuple(dict.fromkeys([*VERBS.get(name, ()), *more.get(name, ())])) for name in names}
-
-
-@frozen(kw_only=False)
-class _AxisOf(Kind):
-    """`-Z of G54`."""
-
-    @property
-    def expected(self) -> str:
-        return "an axis of a frame such as `-Z of G54`"
-
-    def read(self, node: Node, to: Reading, path: Path) -> ToolAxis | Unread:
-        text = scalar(self, node, to, path)
-        if isinstance(text, Unread):
-            return UNREAD
-        match = _AXIS.fullmatch(text.text)
-        if match is None:
-            return to.fault("GS711", text.span, f"`{path[-1]}` is `{short(text.text)}`; {self.expected} is expected")
-        sign = -1.0 if match[1] == "-" else 1.0
-        axis = tuple(sign if match[2].upper() == letter else 0.0 for letter in "XYZ")
-        frame = None if match[3] is None else system_name(match[3]) or match[3]
-        if frame is not None:
-            to.references.append(Reference(what="frame", name=frame, path=path))
-        return ToolAxis(axis=(axis[0], axis[1], axis[2]), frame=frame)
-
-    def schema(self, definitions: dict[str, Json]) -> Json:
-        return {"type": "string", "pattern": r"^\s*[+-]?\s*[XYZxyz](\s+of\s+\S+)?\s*$", "examples": ["-Z of G54"]}
-
-    def show(self, value: Any) -> Any:
-        index = next(i for i, part in enumerate(value.axis) if part)
-        return f"{'-' if value.axis[index] < 0 else ''}{'XYZ'[index]}" + (f" of {value.frame}" if value.frame else "")
-
-    def plain(self, value: Any) -> tuple[str, Any]:
-        return "", self.show(value)
-
-
-@frozen
-class ToolAxis:
-    """The direction of T's Z: unit vector `axis` in `frame`; None is the work system in force."""
-
-    axis: tuple[float, float, float]
-    frame: str | None
-
-
-@frozen(kw_only=False)
-class _Spin(Kind):
-    """`free`, or an angle."""
-
-    @property
-    def expected(self) -> str:
-        return "`free` or an angle"
-
-    def read(self, node: Node, to: Reading, path: Path) -> float | Unread | None:
-        text = scalar(self, node, to, path)
-        if isinstance(text, Unread):
-            return UNREAD
-        if text.text == "free":
-            return None
-        if measured(text.text) is None:
-            return to.fault("GS711", text.span, f"`spin` is `{short(text.text)}`; {self.expected} is expected")
-        return Quantity("angle").read(node, to, path)
-
-    def schema(self, definitions: dict[str, Json]) -> Json:
-        return {"anyOf": [{"const": "free"}, Quantity("angle").schema(definitions)]}
-
-    def show(self, value: Any) -> Any:
-        return Quantity("angle").show(value)
-
-    def plain(self, value: Any) -> tuple[str, Any]:
-        return Quantity("angle").plain(value)
-
-
-@frozen(kw_only=False)
-class _Words(Kind):
-    """`Z(A) Y(B) X(C)`."""
-
-    @property
-    def expected(self) -> str:
-        return "turns such as `Z(A) Y(B) X(C)`: an axis and, in brackets, the word A, B or C that turns about it"
-
-    def read(self, node: Node, to: Reading, path: Path) -> tuple[WordTurn, ...] | Unread:
-        text = scalar(self, node, to, path)
-        if isinstance(text, Unread):
-            return UNREAD
-        if _TURNS.fullmatch(text.text) is None:
-            return to.fault("GS711", text.span, f"`{path[-1]}` is `{short(text.text)}`; {self.expected} is expected")
-        found = _TURN.findall(text.text.upper())
-        words = [word for _, _, word in found]
-        if len(set(words)) < len(words):
-            return to.fault("GS711", text.span, f"`{path[-1]}` turns twice by one word", "each of A, B, C at most once")
-        return tuple(
-            WordTurn("XYZ".index(axis), "ABC".index(word), -1.0 if sign == "-" else 1.0) for axis, sign, word in found
-        )
-
-    def schema(self, definitions: dict[str, Json]) -> Json:
-        return {"type": "string", "pattern": f"^{_TURNS.pattern}$", "examples": ["Z(A) Y(B) X(C)", "Z(-C) X(-A)"]}
-
-    def show(self, value: Any) -> Any:
-        return " ".join(f"{'XYZ'[t.axis]}({'-' if t.sign < 0.0 else ''}{'ABC'[t.word]})" for t in value)
-
-    def plain(self, value: Any) -> tuple[str, Any]:
-        return "", self.show(value)
-
-
-@frozen
-class Orientation:
-    """How an arm holds the tool. `spin` None: free, chosen near the previous joints, or 0 with three `words`."""
-
-    tool_axis: ToolAxis = key(
-        _AxisOf(), "direction of the tool's Z, from holder to tip", default=ToolAxis(axis=(0.0, 0.0, -1.0), frame=None)
-    )
-    spin: float | None = key(_Spin(), "angle about the tool axis, or `free`", default=None)
-    words: tuple[WordTurn, ...] | None = key(
-        _Words(),
-        "how A, B and C lean the tool: turns from the work system on, each about an axis that those before have turned",
-        default=None,
-        quiet=True,
-        example="Z(A) Y(B) X(C)",
-    )
 
 
 @frozen(kw_only=False)

@@ -18,8 +18,9 @@ from gcodesim.arithmetic.elementary import acos, atan2
 from gcodesim.arithmetic.matrices import multiplied
 from gcodesim.canon.systems import SYSTEMS, system_index
 from gcodesim.cell.cell import MAIN, Cell
-from gcodesim.cell.channel import Channel, Orientation
+from gcodesim.cell.channel import Channel
 from gcodesim.cell.machine import MachineTool
+from gcodesim.cell.orientation import Orientation
 from gcodesim.cell.placing import Carried
 from gcodesim.cell.placing import Place as Standing
 from gcodesim.cell.robot import Robot

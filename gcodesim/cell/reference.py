@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Final
 
 from gcodesim.cell.cell import Cell
-from gcodesim.cell.channel import Channel, Orientation
+from gcodesim.cell.channel import Channel
 from gcodesim.cell.device import Device
 from gcodesim.cell.externals import External, SlidingAxis, TurningAxis
 from gcodesim.cell.film import FilmRegion, FilmSpec
@@ -19,6 +19,7 @@ from gcodesim.cell.machine import MachineForm
 from gcodesim.cell.machine_axes import LinearAxis, RotaryAxis
 from gcodesim.cell.material import MaterialForm
 from gcodesim.cell.named_kinematics import NAMED_KINEMATICS
+from gcodesim.cell.orientation import Orientation
 from gcodesim.cell.part import PartSpec
 from gcodesim.cell.placing import Place
 from gcodesim.cell.robot import RobotForm

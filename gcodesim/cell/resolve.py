@@ -15,6 +15,7 @@ from gcodesim.cell.placing import MACHINE, Carried, FixedLink, FrameTree, Place
 from gcodesim.cell.receivers import with_signals
 from gcodesim.cell.settings import matches, with_step
 from gcodesim.cell.stock import StockShape
+from gcodesim.cell.surfaces import check_surfaces
 from gcodesim.cell.touching import check_touching
 from gcodesim.declarations.keys import keys
 from gcodesim.declarations.mesh_shape import MeshShape
@@ -66,6 +67,7 @@ def resolve(cell: Cell, to: Reading) -> Cell:
     _check_codes(cell, to)
     _check_world(cell, to)
     check_touching(cell, to)
+    check_surfaces(cell, to)
     return replace(cell, spans=_spans(cell, to), defaults_used=tuple(to.defaults))
 
 

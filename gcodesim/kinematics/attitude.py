@@ -107,9 +107,9 @@ class Direction:
 
     @staticmethod
     def values(direction: Array) -> Array:
-        """a, b, c (3,) of a direction (3,) from tip to holder."""
+        """a, b, c (…, 3) of directions (…, 3) from tip to holder."""
         d = np.asarray(direction, dtype=float)
-        out: Array = d / norms(d) - np.array([0.0, 0.0, 1.0])
+        out: Array = d / norms(d)[..., None] - np.array([0.0, 0.0, 1.0])
         return out
 
 

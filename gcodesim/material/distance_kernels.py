@@ -39,8 +39,11 @@ def square_to_box(boxes: Array, b: int, x: float, y: float, z: float) -> float:
 
 
 @kernel(lean=True)
-def square_to_triangle(triangles: Array, f: int, x: float, y: float, z: float) -> float:
-    """Square of the distance [m²] of a point from triangle `f` (Ericson 2005, Real-Time Collision Detection, 5.1.5)."""
+def weights_on_triangle(triangles: Array, f: int, x: float, y: float, z: float) -> tuple[float, float]:
+    """Weights of the second and third corner of triangle `f` at its point nearest to x, y, z.
+
+    Ericson 2005, Real-Time Collision Detection, 5.1.5.
+    """
     ax, ay, az = triangles[f, 0], triangles[f, 1], triangles[f, 2]
     bx, by, bz = triangles[f, 3] - ax, triangles[f, 4] - ay, triangles[f, 5] - az
     cx, cy, cz = triangles[f, 6] - ax, triangles[f, 7] - ay, triangles[f, 8] - az
@@ -67,6 +70,17 @@ def square_to_triangle(triangles: Array, f: int, x: float, y: float, z: float) -
     else:
         total = va + vb + vc
         v, w = vb / total, vc / total
+    return v, w
+
+
+@kernel(lean=True)
+def square_to_triangle(triangles: Array, f: int, x: float, y: float, z: float) -> float:
+    """Square of the distance [m²] of a point from triangle `f`."""
+    v, w = weights_on_triangle(triangles, f, x, y, z)
+    ax, ay, az = triangles[f, 0], triangles[f, 1], triangles[f, 2]
+    bx, by, bz = triangles[f, 3] - ax, triangles[f, 4] - ay, triangles[f, 5] - az
+    cx, cy, cz = triangles[f, 6] - ax, triangles[f, 7] - ay, triangles[f, 8] - az
+    px, py, pz = x - ax, y - ay, z - az
     ex, ey, ez = px - v * bx - w * cx, py - v * by - w * cy, pz - v * bz - w * cz
     return float(ex * ex + ey * ey + ez * ez)
 
@@ -74,9 +88,17 @@ def square_to_triangle(triangles: Array, f: int, x: float, y: float, z: float) -
 @kernel(lean=True)
 def skin_distance(tree: SkinTree, x: float, y: float, z: float, most: float, waiting: NDArray[np.int64]) -> float:
     """Distance [m] of a point from the skin; `most` if it is farther. waiting (DEEPEST,) is room."""
+    return nearest_triangle(tree, x, y, z, most, waiting)[0]
+
+
+@kernel(lean=True)
+def nearest_triangle(
+    tree: SkinTree, x: float, y: float, z: float, most: float, waiting: NDArray[np.int64]
+) -> tuple[float, int]:
+    """The same and the triangle that is nearest, of several the first found; -1 where all are farther."""
     triangles, boxes = tree
     leaves = boxes.shape[0] // 2
-    best = most * most
+    best, nearest = most * most, -1
     count = 1
     waiting[0] = 1
     while count > 0:
@@ -87,14 +109,30 @@ def skin_distance(tree: SkinTree, x: float, y: float, z: float, most: float, wai
         if b >= leaves:
             first = (b - leaves) * LEAF
             for f in range(first, min(first + LEAF, triangles.shape[0])):
-                best = min(best, square_to_triangle(triangles, f, x, y, z))
+                square = square_to_triangle(triangles, f, x, y, z)
+                if square < best:
+                    best, nearest = square, f
             continue
         left, right = 2 * b, 2 * b + 1
         if square_to_box(boxes, left, x, y, z) < square_to_box(boxes, right, x, y, z):
             left, right = right, left
         waiting[count], waiting[count + 1] = left, right  # the nearer one comes first
         count += 2
-    return float(np.sqrt(best))
+    return float(np.sqrt(best)), nearest
+
+
+@kernel
+def skin_normals(tree: SkinTree, normals: Array, points: Array, distance: Array, normal: Array) -> None:
+    """Distances (n,) [m] of `points` (n, 3) from the skin, and its normals (n, 3), of no certain length, where it is
+    nearest: those at the corners (f, 9) of its triangles, by their weights."""
+    waiting = np.zeros(DEEPEST, np.int64)
+    for p in range(points.shape[0]):
+        x, y, z = points[p, 0], points[p, 1], points[p, 2]
+        distance[p], f = nearest_triangle(tree, x, y, z, np.inf, waiting)
+        v, w = weights_on_triangle(tree.triangles, f, x, y, z)
+        for axis in range(3):
+            first, second, third = normals[f, axis], normals[f, 3 + axis], normals[f, 6 + axis]
+            normal[p, axis] = (1.0 - v - w) * first + v * second + w * third
 
 
 @kernel

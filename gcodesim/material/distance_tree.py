@@ -16,7 +16,7 @@ _STEPS = 1 << 20
 def skin_tree(vertices: Array, faces: NDArray[np.int32]) -> SkinTree:
     """The tree over triangles: vertices (v, 3) [m], faces (f, 3) with f > 0."""
     corners = np.ascontiguousarray(vertices[faces], dtype=np.float64)
-    corners = corners[np.argsort(_places(corners.mean(axis=1)), kind="stable")]
+    corners = corners[in_leaves(corners)]
     least, most = corners.min(axis=1), corners.max(axis=1)
     firsts = np.arange(0, len(corners), LEAF)
     lows, highs = np.minimum.reduceat(least, firsts, axis=0), np.maximum.reduceat(most, firsts, axis=0)
@@ -30,6 +30,11 @@ def skin_tree(vertices: Array, faces: NDArray[np.int32]) -> SkinTree:
         boxes[leaves : 2 * leaves, :3] = np.minimum(below[0::2, :3], below[1::2, :3])
         boxes[leaves : 2 * leaves, 3:] = np.maximum(below[0::2, 3:], below[1::2, 3:])
     return SkinTree(corners.reshape(-1, 9), boxes)
+
+
+def in_leaves(corners: Array) -> NDArray[np.intp]:
+    """The order (f,) in which triangles with `corners` (f, 3, 3) stand in the tree."""
+    return np.argsort(_places(corners.mean(axis=1)), kind="stable")
 
 
 def _places(points: Array) -> NDArray[np.uint64]:

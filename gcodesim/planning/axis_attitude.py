@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from gcodesim.canon import Axes
 from gcodesim.diagnostics import Findings
-from gcodesim.frames import Array
+from gcodesim.frames import Array, Pose
 from gcodesim.frozen import frozen
 from gcodesim.kinematics.tool_point import ToolPoint
 from gcodesim.motion.blend import along_limits, blend
@@ -35,6 +35,7 @@ from gcodesim.planning.kinks import Kinks
 from gcodesim.planning.plan import JointExtremes, JointPath
 from gcodesim.planning.posing import Posed
 from gcodesim.planning.reach import report_slow_joints
+from gcodesim.planning.surface_axis import SurfaceAxis, Tipped, WordsAlong
 from gcodesim.planning.travel import axis_ranges, report_missing_axes, report_travel
 
 if TYPE_CHECKING:
@@ -47,30 +48,47 @@ _PROBE: Final = 1e-5  # [m, rad] over which a slope is taken
 _SHARE: Final = 0.99  # of each limit; the rest is for the change of q'' within a segment
 
 
-@frozen(slots=False, kw_only=False, eq=False)
-class AttitudeJoints:
-    """Joints along a trajectory; `held` (n,) are the rows in which the tip is commanded.
-
-    `low` and `high` (n, 6) are the least and greatest axis values of each row.
-    """
+@frozen(kw_only=False, eq=False)
+class TipWay:
+    """Pieces of which those of the rows `held` (n,) command the tip, with rotary axes by `turning` (None: as said)."""
 
     pieces: Pieces
     tool: ToolPoint
     held: NDArray[np.bool_]
+    turning: WordsAlong | None = None
+
+    def joints(self, piece: NDArray[np.int64], s: Array, position: Array) -> Array:
+        """Joints (n, j) at `s` (n,) of `piece` (n,), with the controlled point at `position` (n, 6)."""
+        if self.turning is not None:
+            words = self.turning.at(piece, s, position[:, 3:])
+            position = np.concatenate([position[:, :3], words], axis=1)
+        row = self.pieces.row_first[piece]  # while the machine stands, a sample is already of the next row
+        offset = offsets(self.pieces.path, row)
+        q: Array = np.ascontiguousarray((position + offset)[:, self.tool.columns])
+        tip = self.held[row]
+        if tip.any():
+            q[tip] = _joints_of_tips(self.tool, position[tip], offset[tip])
+        return q
+
+
+@frozen(slots=False, kw_only=False, eq=False)
+class AttitudeJoints:
+    """Joints along a trajectory; `low` and `high` (n, 6) are the least and greatest axis values of each row."""
+
+    way: TipWay
     start: Array
     low: Array
     high: Array
 
     def joints(self, samples: Samples) -> Array:
         """Joint values (n, j) [m, rad]."""
-        pieces = self.pieces
-        if not len(pieces):
-            return np.tile(self.start[self.tool.columns], (len(samples), 1))
-        return _joints_at(self.tool, pieces, self.held, samples.piece, samples.position)
+        if not len(self.way.pieces):
+            return np.tile(self.start[self.way.tool.columns], (len(samples), 1))
+        return self.way.joints(samples.piece, samples.s, samples.position)
 
     def extremes(self) -> JointExtremes:
         """How far each axis goes, in the segments that were looked at."""
-        columns = self.tool.columns
+        columns = self.way.tool.columns
         low, high = self.low[:, columns], self.high[:, columns]
         at = self.start[columns]
         low[0], high[0] = np.minimum(low[0], at), np.maximum(high[0], at)
@@ -79,10 +97,14 @@ class AttitudeJoints:
 
 @frozen(eq=False)
 class AxisAttitude:
-    """A machine tool with rotary axes; a program may command its axes, or the tip and the rotary axes."""
+    """A machine tool with rotary axes; a program may command its axes, or the tip and the rotary axes.
+
+    While the tip is commanded the tool may stand on the normal of a `surface`.
+    """
 
     tool: ToolPoint
     independent_rapids: bool = False
+    surface: SurfaceAxis | None = None
 
     @property
     def understands(self) -> frozenset[Commanded]:
@@ -109,8 +131,9 @@ class AxisAttitude:
             report_jumps(path, tool, held, np.stack(ends), findings)
         independent = ~held if self.independent_rapids else False
         pieces = blend(path, limits, independent_rapids=independent, even=soft)
-        segments = Segments.of(pieces, held | soft)
-        q0, q1 = (_joints_at(tool, pieces, held, segments.piece, segments.at(pieces, s)[0]) for s in segments.ends)
+        way = TipWay(pieces, tool, held, self._turning(pieces, held, findings))
+        segments = Segments.of(pieces, held | soft, way.turning)
+        q0, q1 = (way.joints(segments.piece, s, segments.at(pieces, s)[0]) for s in segments.ends)
         low, high = _ranges(path, tool, held)
         for row in (pieces.row_first[segments.piece], pieces.row_last[segments.piece]):
             for q in (q0, q1):
@@ -120,9 +143,33 @@ class AxisAttitude:
                 np.fmax.at(high, row, values)
         report_travel(path, tool.columns, joints, findings, (low, high))
         report_bent_rapids(pieces, findings)
-        caps = _caps(kinematics, tool, pieces, held, segments, (q0, q1), findings)
+        caps = _caps(kinematics, way, segments, (q0, q1), findings)
         start = np.array(axes_at(joints.names, home))
-        return Posed(pieces, AttitudeJoints(pieces, tool, held, start, low, high), caps)
+        return Posed(pieces, AttitudeJoints(way, start, low, high), caps)
+
+    def _turning(self, pieces: Pieces, held: NDArray[np.bool_], findings: Findings) -> WordsAlong | None:
+        """Rotary axes along the pieces where a surface gives the tool axis."""
+        if self.surface is None or not len(pieces):
+            return None
+        tipped = Tipped(rows=held, X_MB=Pose.identity(), joint_heads=False)
+        return self.surface.along(pieces, tipped, self._turned, findings)
+
+    def _turned(self, directions: Array, before: Array) -> Array:
+        """Words a, b, c (n, 3) that point the tool along `directions` (n, 3), each as near as can be to those before.
+
+        NaN where the machine cannot turn so.
+        """
+        tool, words = self.tool, np.full((len(directions), 3), np.nan)
+        near = np.concatenate([np.zeros(3), before])[tool.columns]
+        for row, direction in enumerate(directions):
+            ways = (tool.within_travel(way, near) for way in tool.attitudes(direction, near))
+            within = [way for way in ways if way is not None]
+            if within:
+                near = min(within, key=lambda way: float(np.abs(way - near).sum()))
+                at = np.concatenate([np.zeros(3), before])
+                at[tool.columns] = near
+                words[row] = at[3:]
+        return words
 
     def after(self, leg: JointPath, path: ToolPath, home: Array) -> AxisAttitude:
         """The same posing: rotary axes are commanded, so no choice would have to be kept."""
@@ -138,8 +185,8 @@ class Segments:
     length: Array
 
     @staticmethod
-    def of(pieces: Pieces, held: NDArray[np.bool_]) -> Segments:
-        """As many as the geometry requires."""
+    def of(pieces: Pieces, held: NDArray[np.bool_], turning: WordsAlong | None) -> Segments:
+        """As many as the geometry requires, and as words that are `turning` do."""
         own = np.flatnonzero(held[pieces.row_first] & ~pieces.fixed).astype(np.int64)
         length, curve = pieces.length[own], pieces.curve[own]
         first, last = (pieces.points(own, s)[0] for s in (np.zeros(len(own)), length))
@@ -147,6 +194,8 @@ class Segments:
         round_ = pieces.curves.kind[curve] == ROUND
         bend = np.abs(pieces.curves.sweep[curve]) / np.maximum(pieces.curves.length[curve], 1e-300) * length
         wanted = np.maximum(np.maximum(length / _SPACING, turn / _STEP), np.where(round_, bend / _BEND, 0.0))
+        if turning is not None:
+            wanted = np.maximum(wanted, turning.parts(own, _STEP))
         count = np.maximum(np.ceil(wanted), np.where(pieces.kind[own] == OVERLAP, 4, 1)).astype(np.int64)
         index = np.repeat(np.arange(len(own)), count)
         number = np.arange(len(index)) - np.repeat(np.cumsum(count) - count, count)
@@ -161,19 +210,6 @@ class Segments:
     def at(self, pieces: Pieces, s: Array) -> tuple[Array, Array]:
         """Points (k, 6) and their slopes at `s` (k,)."""
         return pieces.points(self.piece, s)
-
-
-def _joints_at(
-    tool: ToolPoint, pieces: Pieces, held: NDArray[np.bool_], piece: NDArray[np.int64], position: Array
-) -> Array:
-    """Joints (n, j) with the controlled point at `position` (n, 6) on `piece` (n,)."""
-    row = pieces.row_first[piece]  # while the machine stands, a sample is already of the next row
-    offset = offsets(pieces.path, row)
-    q: Array = np.ascontiguousarray((position + offset)[:, tool.columns])
-    tip = held[row]
-    if tip.any():
-        q[tip] = _joints_of_tips(tool, position[tip], offset[tip])
-    return q
 
 
 def _joints_of_tips(tool: ToolPoint, points: Array, offset: Array) -> Array:
@@ -194,17 +230,12 @@ def _ranges(path: ToolPath, tool: ToolPoint, held: NDArray[np.bool_]) -> tuple[A
 
 
 def _caps(
-    kinematics: Kinematics,
-    tool: ToolPoint,
-    pieces: Pieces,
-    held: NDArray[np.bool_],
-    segments: Segments,
-    q: tuple[Array, Array],
-    findings: Findings,
+    kinematics: Kinematics, way: TipWay, segments: Segments, q: tuple[Array, Array], findings: Findings
 ) -> Caps:
     """Caps of the segments where the tip is commanded, and of all other pieces as blending found them."""
+    pieces, held = way.pieces, way.held
     joints, piece, length = kinematics.joints, segments.piece, segments.length
-    start, end = (_slopes(tool, pieces, segments, held, s) for s in segments.ends)
+    start, end = (_slopes(way, segments, s) for s in segments.ends)
     mean = (q[1] - q[0]) / length[:, None]
     feed = pieces.path.feed
     wanted = np.maximum(feed[pieces.row_first], feed[pieces.row_last])
@@ -246,12 +277,10 @@ def _caps(
     return Caps(segment, start, way, speed, acceleration, end, eased)
 
 
-def _slopes(tool: ToolPoint, pieces: Pieces, segments: Segments, held: NDArray[np.bool_], s: Array) -> Array:
+def _slopes(way: TipWay, segments: Segments, s: Array) -> Array:
     """dq/ds (k, j) at `s` (k,), by the difference of two neighbours on the tangent."""
-    points, slope = segments.at(pieces, s)
-    step = (_PROBE / np.maximum(np.abs(slope).max(axis=1, initial=0.0), 1e-12))[:, None]
-    piece = segments.piece
-    ahead = _joints_at(tool, pieces, held, piece, points + step * slope)
-    behind = _joints_at(tool, pieces, held, piece, points - step * slope)
-    slopes: Array = (ahead - behind) / (2.0 * step)
+    points, slope = segments.at(way.pieces, s)
+    step = _PROBE / np.maximum(np.abs(slope).max(axis=1, initial=0.0), 1e-12)
+    ahead, behind = (way.joints(segments.piece, s + d, points + d[:, None] * slope) for d in (step, -step))
+    slopes: Array = (ahead - behind) / (2.0 * step)[:, None]
     return slopes

@@ -21,7 +21,7 @@ from gcodesim.canon import Axes
 from gcodesim.diagnostics import Findings
 from gcodesim.frames import Array, Pose
 from gcodesim.frozen import frozen
-from gcodesim.kinematics.attitude import WordTurns
+from gcodesim.kinematics.attitude import Direction, WordTurns
 from gcodesim.kinematics.protocol import Status
 from gcodesim.motion.blend import blend
 from gcodesim.motion.pieces import AxisLimits, Pieces
@@ -46,6 +46,7 @@ from gcodesim.planning.route import TRIALS, DeadEnd, dead_end, route_along
 from gcodesim.planning.route_findings import ToldEnd, report_dead_end, report_route
 from gcodesim.planning.spin_choice import SampledPath, SpinChoice, choose_spin
 from gcodesim.planning.stands import Stands
+from gcodesim.planning.surface_axis import SurfaceAxis, Tipped
 from gcodesim.planning.travel import report_missing_axes, report_travel
 
 if TYPE_CHECKING:
@@ -58,6 +59,7 @@ Solved: TypeAlias = tuple[Nodes, Array, NDArray[np.uint8]]  # nodes, joints (k, 
 _REFINEMENTS: Final = 3
 _LOOKS: Final = 400  # nodes at which is looked whether the arm hits anything
 _CLOSER: Final = 2e-3  # [m, rad] between nodes to begin with, where more than the tip moves the flange
+_PARTS: Final = 0.25  # between nodes, of the way over which a tool turns at an edge
 _REACH: Final = 1  # statuses of the inverse kinematics that leave the path
 _FLIP: Final = 4
 
@@ -84,6 +86,8 @@ class FixedAttitude:
     `held_bend` is that of the tool with which a leg goes on. With `stands` the arm drives for its tool changes.
 
     Spin, configuration and chosen external axes keep clear of `obstacles` where they can.
+
+    With a `surface` the words are directions along its normals.
     """
 
     frames: Mapping[int, Array] = field(default_factory=dict)
@@ -104,6 +108,7 @@ class FixedAttitude:
     held_bend: Array | None = None
     stands: Stands | None = None
     obstacles: Obstacles | None = None
+    surface: SurfaceAxis | None = None
 
     @property
     def understands(self) -> frozenset[Commanded]:
@@ -153,11 +158,16 @@ class FixedAttitude:
         pieces = blend(path, limits, own_time=np.where(rows.joint, 1.0, np.nan), even=soft)
         flange = Flange(pieces, R_BO, offsets(path)[:, :3], choice.spin, guide=guide, bend=bend)
         at_home = pieces.fixed & rows.home[pieces.row_first]
+        if self.surface is not None and guide is not None:
+            tipped = Tipped(rows=np.ones(len(path), dtype=bool), X_MB=self.X_BM.inverse(), joint_heads=True)
+            turning = self.surface.along(pieces, tipped, _directions, findings)
+            guide = replace(guide, turning=turning)
+            flange = replace(flange, guide=guide)
         if places is not None and guide is not None and guide.outside is not None:
             heads = np.flatnonzero(pieces.fixed & ~at_home)
             guide = replace(guide, outside=places[1].along(guide.outside, pieces, heads))
             flange = replace(flange, guide=guide)
-        begun = Nodes.of(pieces, at_home) if guide is None else Nodes.of(pieces, at_home, _CLOSER)
+        begun = Nodes.of(pieces, at_home) if guide is None else Nodes.of(pieces, at_home, self._spacing)
         solved = _solve(arm, flange, begun, choice, own)
         told = ToldEnd()
         if not self._will_do(arm, flange, *solved) or self._hit(flange, *solved) is not None:
@@ -263,7 +273,23 @@ class FixedAttitude:
             return None
         table = np.array([self.axes.get(state.system, np.eye(3)) for state in path.states]).reshape(-1, 3, 3)
         numbers = np.array([self.platforms.get(state.system, GROUND) for state in path.states], dtype=np.int64)
-        return Guide(law=law, axes=table[path.state], outside=self.outside, platform=numbers[path.state])
+        return Guide(
+            law=law,
+            axes=table[path.state],
+            outside=self.outside,
+            platform=numbers[path.state],
+            words_at=None if self.surface is None else self._words_at,
+        )
+
+    @property
+    def _spacing(self) -> float:
+        """[m, rad] between nodes to begin with, where a guide moves the flange."""
+        return _CLOSER if self.surface is None else min(_CLOSER, _PARTS * self.surface.smooth)
+
+    def _words_at(self, points: Array) -> Array:
+        """Words (k, 3) at points (k, 3) in B, as the surface beside them has it."""
+        assert self.surface is not None
+        return Direction.values(self.surface.directions(self.X_BM.inverse().apply(points)))
 
     def _will_do(
         self, kinematics: Kinematics, flange: Flange, nodes: Nodes, q: Array, status: NDArray[np.uint8]
@@ -362,6 +388,12 @@ class FixedAttitude:
         table = np.array([self.frames.get(state.system, self.upright) for state in path.states]).reshape(-1, 3, 3)
         rows: Array = table[path.state]
         return rows
+
+
+def _directions(directions: Array, before: Array) -> Array:
+    """Words (n, 3) of directions (n, 3) of an arm's tool, which do not depend on those `before`."""
+    del before
+    return Direction.values(directions)
 
 
 def _is_bad(status: NDArray[np.uint8]) -> NDArray[np.bool_]:

@@ -52,7 +52,7 @@ class Flange:
         if self.guide is None:
             X = flange_poses(flange_origins(positions[:, :3], self.offset[row], R), R, self.spin)
         else:
-            R = self.guide.leaning(R, row, positions)
+            R = self.guide.leaning(R, row, positions, self.guide.words(piece, s, positions))
             p = flange_origins(positions[:, :3], self.offset[row], R)
             X = flange_poses(*self.guide.from_arm(p, R, row, self.guide.externals(piece, s, positions)), self.spin)
         return X if self.turning is None else turned(X, self.turning.at(piece, s)[0])

@@ -6,6 +6,7 @@ of external axes. External axes that the planner chooses run along splines inste
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
     from gcodesim.kinematics.assembly import Assembly
     from gcodesim.kinematics.attitude import AttitudeLaw
     from gcodesim.planning.spin_along import SpinAlong
+    from gcodesim.planning.surface_axis import WordsAlong
 
 Rows = NDArray[np.intp] | NDArray[np.int32] | NDArray[np.int64]
 CHOSEN = -1
@@ -70,20 +72,30 @@ class Guide:
     """By `law` the frame O leans, about `axes` (n, 3, 3) of each row in B; None: it does not.
 
     `outside` are the external axes, None without; `platform` (n,) is which of them carries the work of each row.
+    With a surface words come from `words_at` points of the path (k, 3), and along its pieces from `turning`.
     """
 
     law: AttitudeLaw | None
     axes: Array
     outside: Outside | None
     platform: NDArray[np.int64]
+    words_at: Callable[[Array], Array] | None = None
+    turning: WordsAlong | None = None
 
-    def leaning(self, R_BO: Array, row: Rows, positions: Array) -> Array:
-        """R_BO (k, 3, 3) upright, leaned as the path says at `positions` (k, 6) in rows `row` (k,)."""
+    def leaning(self, R_BO: Array, row: Rows, positions: Array, words: Array | None = None) -> Array:
+        """R_BO (k, 3, 3) upright, leaned as the path says at `positions` (k, 6) in rows `row` (k,), or by `words`."""
         if self.law is None:
             return R_BO
+        if words is None:
+            words = positions[:, 3:] if self.words_at is None else self.words_at(positions[:, :3])
         Q = self.axes[row]
-        leaned: Array = multiplied(Q, self.law.rotations(positions[:, 3:]), Q.swapaxes(1, 2), R_BO)
+        leaned: Array = multiplied(Q, self.law.rotations(words), Q.swapaxes(1, 2), R_BO)
         return leaned
+
+    def words(self, piece: NDArray[np.int64], s: Array, positions: Array) -> Array:
+        """Words (k, 3) at places `s` (k,) of `piece` (k,), which are at `positions` (k, 6)."""
+        said = positions[:, 3:]
+        return said if self.turning is None else self.turning.at(piece, s, said)
 
     def externals(self, piece: NDArray[np.int64], s: Array, positions: Array) -> Array | None:
         """Values (k, e) of the external axes; None without any."""

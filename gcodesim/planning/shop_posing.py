@@ -19,6 +19,7 @@ from gcodesim.planning.axis_attitude import AxisAttitude
 from gcodesim.planning.axis_posing import AxisPosing
 from gcodesim.planning.posing import Posing
 from gcodesim.shop import Shop
+from gcodesim.solids import triangles_of
 
 if TYPE_CHECKING:
     from gcodesim.kinematics.attitude import AttitudeLaw
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
     from gcodesim.planning.loads import Loads
     from gcodesim.planning.obstacles import Obstacles
     from gcodesim.planning.stands import Stands
+    from gcodesim.planning.surface_axis import SurfaceAxis
 
 
 def posing_of(shop: Shop, obstacles: Obstacles | None = None) -> Posing:
@@ -41,7 +43,7 @@ def posing_of(shop: Shop, obstacles: Obstacles | None = None) -> Posing:
             tool = ToolPoint(shop.kinematics)  # which cuts the path into segments; the tip is never commanded
         if tool is None:
             return AxisPosing(independent_rapids=independent)
-        return AxisAttitude(tool=tool, independent_rapids=independent)
+        return AxisAttitude(tool=tool, independent_rapids=independent, surface=_surface(shop))
     return _fixed_attitude(shop, obstacles)
 
 
@@ -57,6 +59,7 @@ def _fixed_attitude(shop: Shop, obstacles: Obstacles | None) -> FixedAttitude:
     }
     law = attitude_of(shop.cell, shop.channel, shop.placement)
     words = isinstance(law, WordTurns)
+    surface = _surface(shop)
     X_BP = {system: shop.X_BM @ X_MP for system, X_MP in shop.placement.work_offsets.items()}
     spin = None if own is None else own.spin
     if spin is None and isinstance(law, WordTurns) and len(law.turns) == len("ABC"):
@@ -70,7 +73,8 @@ def _fixed_attitude(shop: Shop, obstacles: Obstacles | None) -> FixedAttitude:
         X_BM=shop.X_BM,
         branches=_branches(shop),
         law=law,
-        words_lean=words,
+        words_lean=words or surface is not None,
+        surface=surface,
         axes={system: X.R if words else shop.X_BM.R for system, X in X_BP.items()},
         outside=outside,
         loads=loads_of(shop),
@@ -78,6 +82,31 @@ def _fixed_attitude(shop: Shop, obstacles: Obstacles | None) -> FixedAttitude:
         bends={n: X.inverse().matrix for n, tool in shop.cell.tools.items() if (X := tool.X_FN) is not None},
         stands=_stands(shop, outside),
         obstacles=obstacles,
+    )
+
+
+def _surface(shop: Shop) -> SurfaceAxis | None:
+    """The surface on whose normal the tool stands; None without one."""
+    from gcodesim.cell.surfaces import surface_of
+
+    own = shop.cell.channels[shop.channel].orientation
+    found = surface_of(shop.cell, shop.placement, shop.channel)
+    if own is None or found is None:
+        return None
+    from gcodesim.material.mesh import outward
+    from gcodesim.material.skin_normals import SkinNormals
+    from gcodesim.planning.surface_axis import SurfaceAxis
+
+    solid, X_MS = found
+    mesh = triangles_of(solid)
+    points, faces = outward(X_MS.apply(mesh.points), mesh.faces)
+    return SurfaceAxis(
+        name=str(own.tool_axis.surface),
+        skin=SkinNormals.of(points, faces),
+        lead=own.lead,
+        tilt=own.tilt,
+        smooth=own.smooth,
+        within=own.within,
     )
 
 

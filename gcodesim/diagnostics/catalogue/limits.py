@@ -142,6 +142,35 @@ CODES: tuple[Code, ...] = (
         " a rapid at a safe height.",
     ),
     Code(
+        code="GS217",
+        severity=Severity.WARNING,
+        title="Feed away from the surface",
+        what="The tool axis is the normal of a surface (`tool_axis: normal of …`), and a feed runs farther away from"
+        " that surface than `within` of the orientation. The tool stands on the normal of the place that is nearest.",
+        why="Far away, the nearest place may be an edge or the other side: the tool leans by a part that is not meant.",
+        remedy="Look at where the body stands, and at the work system. Raise `within` where so much distance is meant,"
+        " as of a spray gun.",
+    ),
+    Code(
+        code="GS218",
+        severity=Severity.WARNING,
+        title="Surface leaves the tool axis open",
+        what="The tool axis is the normal of a surface, and beside this place the surface faces ways more than 120"
+        " degrees apart: the edge of a thin sheet, a point. Their mean says little about where the tool should stand.",
+        why="The tool swings over the edge, and a small change of the path sends it another way.",
+        remedy="Lift the tool and go to the other side by a rapid, give the axis in the block (I J K under G43.5), or"
+        " take a smaller `smooth`.",
+    ),
+    Code(
+        code="GS219",
+        severity=Severity.ERROR,
+        title="Tool cannot stand on the surface",
+        what="The tool axis is the normal of a surface, and no position of the rotary axes within their travel brings"
+        " the tool there. It stays as it was before.",
+        why="The tool does not stand on the surface there, and its side or holder may meet it.",
+        remedy="Clamp the work so that this side faces the tool, or lean the tool back with `lead` and `tilt`.",
+    ),
+    Code(
         code="GS230",
         severity=Severity.ERROR,
         title="Joint effort at its limit",
