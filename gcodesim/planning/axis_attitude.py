@@ -230,12 +230,12 @@ def _ranges(path: ToolPath, tool: ToolPoint, held: NDArray[np.bool_]) -> tuple[A
 
 
 def _caps(
-    kinematics: Kinematics, way: TipWay, segments: Segments, q: tuple[Array, Array], findings: Findings
+    kinematics: Kinematics, tips: TipWay, segments: Segments, q: tuple[Array, Array], findings: Findings
 ) -> Caps:
     """Caps of the segments where the tip is commanded, and of all other pieces as blending found them."""
-    pieces, held = way.pieces, way.held
+    pieces, held = tips.pieces, tips.held
     joints, piece, length = kinematics.joints, segments.piece, segments.length
-    start, end = (_slopes(way, segments, s) for s in segments.ends)
+    start, end = (_slopes(tips, segments, s) for s in segments.ends)
     mean = (q[1] - q[0]) / length[:, None]
     feed = pieces.path.feed
     wanted = np.maximum(feed[pieces.row_first], feed[pieces.row_last])
