@@ -240,6 +240,7 @@ def _machine(tool: MachineTool) -> Mover:
         timed_only=tuple(axis.letter for axis in tool.axes if axis.rotary and axis.at is None),
         seen_whole=False,
         lathe=tool.lathe,
+        own_table=tool.own_table,
         description=None if tool.model is None else model_path(tool.model),
     )
 
@@ -303,7 +304,9 @@ def _system_stand(cell: Cell, mover: Mover, placement: Placement) -> Stand:
     link = placement.platforms.get(1)
     if link is None:
         return _work_stand(mover, placement.X_W("G54"))
-    return Stand(link, cell.robots[mover.name].platforms[link].inverse() @ placement.X_W("G54"))
+    owner = cell.machine if mover.name == MACHINE else cell.robots[mover.name]
+    assert owner is not None
+    return Stand(link, owner.platforms[link].inverse() @ placement.X_W("G54"))
 
 
 def _links(mover: Mover) -> Iterator[Body]:
@@ -343,7 +346,13 @@ def _mass(part: PartSpec, solid: Solid | None) -> float:
 def _work_stand(mover: Mover, X_W: Pose) -> Stand:
     """The stand of something at `X_W` in the world while the axes are at zero; it moves with a moving table."""
     if isinstance(mover.kinematics, Cartesian) and mover.moves(WORK):
-        return Stand(f"{mover.name}/{WORK}", mover.X_WB.inverse() @ X_W)
+        own = mover.own_table
+        if own is None:
+            return Stand(f"{mover.name}/{WORK}", mover.X_WB.inverse() @ X_W)
+        if mover.moves(own):
+            still = np.zeros((1, len(mover.kinematics.joints)))
+            X_WT = mover.X_WB @ Pose.from_matrix(mover.seen_from_base(own, still)[0])
+            return Stand(f"{mover.name}/{own}", X_WT.inverse() @ X_W)
     return Stand(WORLD, X_W)
 
 

@@ -7,9 +7,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import field, replace
 from typing import TYPE_CHECKING, Final
 
+import numpy as np
+
 from gcodesim.cell.axes import SPIN_UP, UNLIMITED, AxesKind, nearest_home
 from gcodesim.cell.joints import Measure, check_within
-from gcodesim.cell.placing import POINT, Place
+from gcodesim.cell.placing import MACHINE, POINT, Place
 from gcodesim.declarations.composed import Either
 from gcodesim.declarations.keys import key
 from gcodesim.declarations.kind import POSITIVE, WITHIN_REACH
@@ -23,6 +25,8 @@ from gcodesim.frozen import frozen
 
 if TYPE_CHECKING:
     from gcodesim.cell.cell import Cell
+    from gcodesim.cell.machine import MachineTool
+    from gcodesim.cell.machine_axes import MachineAxis
     from gcodesim.cell.robot import Robot
     from gcodesim.kinematics.assembly import Carrier
 
@@ -125,7 +129,8 @@ class External:
         Text(form="the name of a robot"), "the robot that stands on it; without: it carries work", default=None
     )
     robot: str | None = key(
-        Text(form="the name of a robot"), "whose program moves it (default: the only robot)", default=None, quiet=True
+        Text(form="the name of a robot, or `machine`"),
+        "whose program moves it (default: the only robot, or the machine where there is none)", default=None, quiet=True
     )
     base: Place = key(Record(Place, "a place"), "where it stands with all axes at zero", default=Place())
     free: bool = key(Switch(), "the planner chooses where its axes stand", default=False)
@@ -165,6 +170,37 @@ class External:
         """Whether the planner chooses where this axis stands."""
         own = self.axes[letter].free
         return self.free if own is None else own
+
+    def of_machine(self, X_WM: Pose) -> tuple[MachineAxis, ...]:
+        """Its turning axes as those of a machine tool with machine zero at `X_WM`."""
+        from gcodesim.cell.machine_axes import MachineAxis
+
+        X_ME = X_WM.inverse() @ self.X_WE
+        found = []
+        for (letter, axis), home in zip(self.axes.items(), self.homes, strict=True):
+            assert isinstance(axis, TurningAxis)
+            direction = np.array(axis.direction or np.eye(3)[TURNING.index(letter)])
+            x, y, z = X_ME.apply(np.array(axis.at)).tolist()
+            a, b, c = X_ME.rotate(direction).tolist()
+            found.append(
+                MachineAxis(
+                    letter=letter,
+                    rotary=True,
+                    lower=axis.travel[0],
+                    upper=axis.travel[1],
+                    speed=axis.speed,
+                    acceleration=axis.acceleration or axis.speed / SPIN_UP,
+                    assumed_acceleration=axis.acceleration is None,
+                    home=home,
+                    side="table",
+                    at=(x, y, z),
+                    direction=(a, b, c),
+                    moving_mass=axis.moving_mass,
+                    effort=math.inf if axis.effort is None else axis.effort,
+                    jerk=axis.jerk,
+                )
+            )
+        return tuple(found)
 
     def carrier(self, X_WB: Pose) -> Carrier:
         """What `kinematics.assembly` takes, for a robot with its base at `X_WB`."""
@@ -207,21 +243,23 @@ def columns_of(externals: Sequence[External], taken: Sequence[int] = ()) -> dict
 
 
 def with_externals(cell: Cell, to: Reading) -> Cell:
-    """`cell` with its externals given to the robots whose programs move them; faults become findings of `to`."""
+    """`cell` with its externals given to those whose programs move them; faults become findings of `to`."""
     given: dict[str, list[External]] = {}
     robots = list(cell.robots)
     for name, external in cell.externals.items():
         path: Path = ("externals", name)
         owner = external.carries or external.robot
         which = "carries" if external.carries else "robot"
-        if owner is None and len(robots) == 1:
-            owner = robots[0]
+        if owner is None and len(robots) <= 1:
+            owner = robots[0] if robots else MACHINE
+        if owner == MACHINE and (MACHINE,) in to.keys:
+            if cell.machine is not None and _suits_machine(cell.machine, external, given.get(MACHINE, ()), to):
+                given.setdefault(MACHINE, []).append(external)
+            continue
         if owner is None or owner not in robots:
             if owner is None:
                 message = f"whose program moves `{name}` nobody can know"
-                message = message if robots else "external axes belong to a robot"
-                hint = "write `robot:` with its name" if robots else "axes of a machine tool stand under `machine`"
-                to.fault("GS722", to.span(path), message, hint)
+                to.fault("GS722", to.span(path), message, "write `robot:` with its name")
             elif owner not in to.names_in("robots"):  # else it has a fault of its own
                 to.fault("GS712", to.span((*path, which)), f"there is no robot `{owner}`", suggestion(owner, robots))
             continue
@@ -229,11 +267,47 @@ def with_externals(cell: Cell, to: Reading) -> Cell:
             to.fault("GS719", to.key(path), f"`{name}` is the name of something else too", "choose another one")
             continue
         given.setdefault(owner, []).append(external)
+    machine = cell.machine
+    if machine is not None and MACHINE in given:
+        machine = replace(machine, externals=tuple(given.pop(MACHINE)))
     equipped = dict(cell.robots)
     for owner, own in given.items():
         if _fits(equipped[owner], own, to):
             equipped[owner] = equipped[owner].with_externals(tuple(own))
-    return replace(cell, robots=equipped)
+    return replace(cell, robots=equipped, machine=machine)
+
+
+def _suits_machine(machine: MachineTool, external: External, others: Sequence[External], to: Reading) -> bool:
+    """Whether a machine tool can have these axes: tables that turn its work, moved by letters that nothing else has."""
+    path: Path = ("externals", external.name)
+    if external.name in machine.link_names or external.name == MACHINE:
+        message = f"`{external.name}` is the name of a link of the machine"
+        to.fault("GS719", to.key(path), message, "choose another one")
+        return False
+    if external.carries is not None:
+        message = "a machine tool stands; nothing carries it"
+        to.fault("GS719", to.span((*path, "carries")), message, "write the way as its X, Y or Z")
+        return False
+    if others:
+        message = f"the work of a machine tool stands on one table, and `{others[0].name}` is one already"
+        to.fault("GS719", to.key(path), message, "write the axes of both under one name, from the ground on")
+        return False
+    good = True
+    for letter in external.axes:
+        span = to.key((*path, "axes", letter))
+        if letter in SLIDING:
+            message = f"{letter} is no word of a machine tool"
+            to.fault("GS719", span, message, "a way under the work is its X, Y or Z, with `side: table`")
+        elif external.is_free(letter):
+            message = f"the program moves {letter}; there is nothing to choose on a machine tool"
+            to.fault("GS719", span, message, "leave `free` out")
+        elif machine.axis(letter) is not None:
+            message = f"axis {letter} is commanded in `machine` and in `{external.name}`"
+            to.fault("GS719", span, message, "one letter, one axis")
+        else:
+            continue
+        good = False
+    return good
 
 
 def _fits(robot: Robot, externals: Sequence[External], to: Reading) -> bool:

@@ -24,7 +24,7 @@ from gcodesim.cell.machine_axes import (
 )
 from gcodesim.cell.models import shipped, shipped_chain
 from gcodesim.cell.named_kinematics import NAMED_KINEMATICS, KinematicsKind, NamedKinematics
-from gcodesim.cell.placing import Place
+from gcodesim.cell.placing import MACHINE, Place
 from gcodesim.declarations.keys import key
 from gcodesim.declarations.kind import Json, Kind
 from gcodesim.declarations.nodes import Node
@@ -160,6 +160,7 @@ class MachineTool:
     """A machine tool of the cell. `shipped` is the content of the URDF of its `model`, None without a model.
 
     On a `lathe` the work turns about Z at X0 of the machine. `kinematics` has said where its rotary axes lie.
+    `externals` are a table on its own one, or beside it; its axes are the last of `axes`, once their place is known.
     """
 
     model: str | None
@@ -170,6 +171,7 @@ class MachineTool:
     X_WM: Pose = field(default_factory=Pose.identity, compare=False)
     lathe: bool = False
     kinematics: NamedKinematics | None = None
+    externals: tuple[External, ...] = field(default=(), compare=False, repr=False)
 
     @property
     def tip_first(self) -> bool:
@@ -177,14 +179,9 @@ class MachineTool:
         return self.kinematics is not None and self.kinematics.from_start
 
     @property
-    def externals(self) -> tuple[External, ...]:
-        """Axes outside of it: a machine tool has none."""
-        return ()
-
-    @property
     def platforms(self) -> dict[str, Pose]:
-        """What external axes carry."""
-        return {}
+        """X_WC of what external axes carry, with these at zero, by the name of the link: `machine/table`."""
+        return {f"{MACHINE}/{external.name}": external.X_WE for external in self.externals}
 
     @property
     def home(self) -> tuple[float, ...]:
@@ -199,9 +196,24 @@ class MachineTool:
     @property
     def link_names(self) -> tuple[str, ...]:
         """Everything that can carry something: base, links and flange."""
+        outside = tuple(external.name for external in self.externals)
         if self.shipped is not None:
-            return self.shipped.carriers
-        return (BASE, *(f"link_{axis.letter}" for axis in self.axes), FLANGE, "table")
+            return (*self.shipped.carriers, *outside)
+        return (BASE, *(f"link_{axis.letter}" for axis in self.built_in_axes), FLANGE, "table", *outside)
+
+    @property
+    def own_table(self) -> str | None:
+        """The link on which things stand that name none, where an external carries the work; None: without one."""
+        if not self.externals:
+            return None
+        chain = self._own_chain
+        return chain.table or chain.links[0].name
+
+    @property
+    def built_in_axes(self) -> tuple[MachineAxis, ...]:
+        """Its axes without those of externals."""
+        letters = {letter for external in self.externals for letter in external.axes}
+        return tuple(axis for axis in self.axes if axis.letter not in letters)
 
     def axis(self, letter: str) -> MachineAxis | None:
         return next((axis for axis in self.axes if axis.letter == letter), None)
@@ -212,12 +224,23 @@ class MachineTool:
 
         Importing the kinematics of machine tools loads the compiler, so reading a cell does not do it.
         """
+        from gcodesim.kinematics import cartesian
+
+        chain = self._own_chain
+        for external in self.externals:
+            axes = [_kinematic(axis, cartesian.Axis) for axis in self.axes if axis.letter in external.axes]
+            chain = cartesian.with_table(chain, axes, external.name, self.X_WM.inverse() @ external.X_WE)
+        return chain
+
+    @property
+    def _own_chain(self) -> Chain:
+        """The same without externals."""
         if self.shipped is None:
             from gcodesim.kinematics import cartesian
 
-            return cartesian.chain_of_axes([_kinematic(axis, cartesian.Axis) for axis in self.axes])
+            return cartesian.chain_of_axes([_kinematic(axis, cartesian.Axis) for axis in self.built_in_axes])
         joints = list(self.shipped.joints)
-        for axis, index in zip(self.axes, self.shipped.driven, strict=True):
+        for axis, index in zip(self.built_in_axes, self.shipped.driven, strict=True):
             joints[index] = replace(
                 joints[index],
                 lower=axis.lower,
@@ -235,7 +258,7 @@ class MachineTool:
 
         masses = {
             chain.joints[index].child: axis.moving_mass
-            for axis, index in zip(self.axes, chain.driven, strict=True)
+            for axis, index in zip(self.built_in_axes, chain.driven, strict=True)
             if axis.moving_mass is not None
         }
         nothing = np.zeros((3, 3))
@@ -246,8 +269,10 @@ class MachineTool:
             for link in chain.links
         )
 
-    def at(self, X_WM: Pose) -> MachineTool:
-        return replace(self, X_WM=X_WM)
+    def at(self, X_WM: Pose, externals: tuple[External, ...] = ()) -> MachineTool:
+        """The machine with its zero there, and with `externals` whose places are known."""
+        more = [axis for external in externals for axis in external.of_machine(X_WM)]
+        return replace(self, X_WM=X_WM, axes=(*self.built_in_axes, *more), externals=externals)
 
 
 def _kinematic(axis: MachineAxis, kind: type[KinematicAxis]) -> KinematicAxis:
@@ -287,13 +312,14 @@ class MachineKind(Kind):
     def show(self, value: Any) -> Any:
         shown_machine: Json = {"model": value.model} if value.model else {}
         shown_machine |= {} if value.kinematics is None else {"kinematics": _NAMED.show(value.kinematics)}
-        shown_machine |= {"rapids": value.rapids, "axes": {axis.letter: show_axis(axis) for axis in value.axes}}
+        axes = {axis.letter: show_axis(axis) for axis in value.built_in_axes}
+        shown_machine |= {"rapids": value.rapids, "axes": axes}
         return shown_machine | {"base": Record(Place, "a place").show(value.base)}
 
     def plain(self, value: Any) -> tuple[str, Any]:
         machine: Json = {"model": value.model} if value.model else {}
         machine |= {} if value.kinematics is None else {"kinematics": _NAMED.plain(value.kinematics)[1]}
-        machine |= {"rapids": value.rapids, "axes": {axis.letter: plain_axis(axis) for axis in value.axes}}
+        machine |= {"rapids": value.rapids, "axes": {axis.letter: plain_axis(axis) for axis in value.built_in_axes}}
         return "", machine | {"base": Record(Place, "a place").plain(value.base)[1]}
 
 

@@ -153,28 +153,39 @@ class Orientation:
         example="Z(A) Y(B) X(C)",
     )
     lead: float = key(
-        Quantity("angle", _LEANS), "on the normal of a surface: the holder leans so far along the feed", default=0.0
+        Quantity("angle", _LEANS),
+        "on the normal of a surface: the holder leans so far along the feed",
+        default=0.0,
+        quiet=True,
+        example="10 deg",
     )
     tilt: float = key(
-        Quantity("angle", _LEANS), "on the normal of a surface: the holder leans so far to the right", default=0.0
+        Quantity("angle", _LEANS),
+        "on the normal of a surface: the holder leans so far to the right",
+        default=0.0,
+        quiet=True,
+        example="10 deg",
     )
     smooth: float = key(
         Quantity("length", POSITIVE),
         "on the normal of a surface: the way over which the tool turns at an edge, to both sides",
         default=2e-3,
+        quiet=True,
         example="2 mm",
     )
     within: float = key(
         Quantity("length", POSITIVE),
         "on the normal of a surface: how far from it feeds may be",
         default=20e-3,
+        quiet=True,
         example="20 mm",
     )
 
     def checked(self, to: Reading, path: Path) -> Orientation | Unread:
         if self.tool_axis.surface is None:
+            usual = Orientation()
             for name in ("lead", "tilt", "smooth", "within"):
-                if (*path, name) in to.keys:
+                if getattr(self, name) != getattr(usual, name):
                     hint = "write `tool_axis: normal of` with a stock, part, fixture or the `target`"
                     to.fault("GS719", to.key((*path, name)), f"`{name}` is for a tool axis from a surface", hint)
         elif self.words is not None:

@@ -85,6 +85,8 @@ def _with_frames(cell: Cell, to: Reading) -> Cell:
     }
     if cell.machine is not None:
         placed[MACHINE] = (cell.machine.base, ("machine", "base"))
+        for external in cell.machine.externals:
+            placed[_base_of(external)] = (external.base, ("externals", external.name, "base"))
     for name, robot in cell.robots.items():
         placed[robot.base_frame] = (robot.base, ("robots", name, "base"))
         for link, X in robot.whole.fixed_links.items():
@@ -95,9 +97,16 @@ def _with_frames(cell: Cell, to: Reading) -> Cell:
     for name, robot in cell.robots.items():
         for external in robot.externals:
             tree.carried[external.name] = Carried(f"{name}/{external.name}", Pose.identity())
+    for external in () if cell.machine is None else cell.machine.externals:
+        tree.carried[external.name] = Carried(f"{MACHINE}/{external.name}", Pose.identity())
     tree.resolve()
     bases = {name: tree.poses.get(name) or place.X for name, (place, _) in placed.items()}  # else a fault: see below
-    machine = None if cell.machine is None else cell.machine.at(bases[MACHINE])
+    machine = cell.machine
+    if machine is not None:
+        tables = tuple(replace(own, X_WE=bases[_base_of(own)]) for own in machine.externals)
+        machine = machine.at(bases[MACHINE], tables)
+        for own in tables:
+            tree.poses.pop(_base_of(own), None)
     robots = {name: robot.at(bases[robot.base_frame]) for name, robot in cell.robots.items()}
     for name, robot in robots.items():
         standing = tuple(replace(own, X_WE=bases[_base_of(own)]) for own in robot.externals)
@@ -199,8 +208,10 @@ def _is_on_platform(cell: Cell, name: str, path: Path) -> bool:
         return False
     link = cell.carried[name].link if name in cell.carried else name
     channel = cell.channels.get(str(path[1])) if path[0] == "channels" else next(iter(cell.channels.values()), None)
-    robot = None if channel is None else cell.robots.get(str(channel.robot))
-    return robot is not None and link in robot.platforms
+    if channel is None:
+        return False
+    mover = cell.machine if channel.robot == MACHINE else cell.robots.get(str(channel.robot))
+    return mover is not None and link in mover.platforms
 
 
 def _fault_on_link(cell: Cell, name: str, span: Span, to: Reading) -> None:

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import cached_property
 from typing import Final, Literal
 
 import numpy as np
 
 from gcodesim.arithmetic.elementary import acos
-from gcodesim.arithmetic.matrices import applied, least_inverse, multiplied, norm
+from gcodesim.arithmetic.matrices import applied, inverse_pose, least_inverse, multiplied, norm
 from gcodesim.canon import AXIS_LETTERS
 from gcodesim.frames import Array, Pose, rotation_from_rpy
 from gcodesim.frozen import frozen
@@ -104,6 +105,44 @@ def chain_of_axes(axes: Sequence[Axis], name: str = "machine") -> Chain:
     return Chain(
         name=name, links=tuple(links), joints=tuple(joints), driven=tuple(driven), flange="flange", table="table"
     )
+
+
+def with_table(chain: Chain, axes: Sequence[Axis], name: str, X_ME: Pose) -> Chain:
+    """`chain` with one more table on its own, or on its base: the link `name`, at `X_ME` with all axes at zero.
+
+    `axes` turn it, in chain order from the ground on, about points and directions in M with all axes at zero.
+    """
+    below = chain.table or chain.links[0].name
+    machine = Machine(chain=chain)
+    X_pM = inverse_pose(machine.link(np.zeros((1, len(chain.driven))), machine.link_names.index(below)))[0]
+    links, joints, driven = list(chain.links), list(chain.joints), list(chain.driven)
+    for axis in axes:
+        point = Pose(np.array(axis.point, dtype=float), np.eye(3)).matrix
+        vector = np.array(axis.vector, dtype=float)
+        mass = axis.moving_mass
+        weight = None if mass is None else Inertial(mass=mass, com=np.zeros(3), inertia=np.zeros((3, 3)))
+        links.append(Link(name=f"link_{axis.letter}", inertial=weight))
+        driven.append(len(joints))
+        joints.append(
+            Joint(
+                name=axis.letter,
+                kind="revolute",
+                parent=below,
+                child=f"link_{axis.letter}",
+                X=multiplied(X_pM, point),
+                axis=vector / norm(vector),
+                lower=axis.lower,
+                upper=axis.upper,
+                speed=axis.speed,
+                acceleration=axis.acceleration,
+                jerk=axis.jerk,
+                effort=axis.effort,
+            )
+        )
+        below, X_pM = f"link_{axis.letter}", inverse_pose(point)
+    links.append(Link(name=name))
+    joints.append(Joint(name=name, kind="fixed", parent=below, child=name, X=multiplied(X_pM, X_ME.matrix)))
+    return replace(chain, links=tuple(links), joints=tuple(joints), driven=tuple(driven), table=name)
 
 
 @frozen(slots=False, eq=False)

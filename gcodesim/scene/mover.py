@@ -34,7 +34,8 @@ class Mover:
     `seen_whole`: a viewer should see all of it beside the part; `lathe`: the work
     turns, about Z at X0 of its base. `description` is the file that describes it; `externals` are joints outside
     of that, which have names of their own; `controller` is how its motors follow the command;
-    `may_meet` are pairs of links that the cell lets touch each other.
+    `may_meet` are pairs of links that the cell lets touch each other. `own_table` is the link on which a machine tool
+    holds what names no link, where its work side is another one.
     """
 
     name: str
@@ -52,6 +53,7 @@ class Mover:
     controller: Controller = field(default_factory=Ideal)
     externals: tuple[str, ...] = ()
     may_meet: tuple[tuple[str, str], ...] = ()
+    own_table: str | None = None
 
     @property
     def joint_names(self) -> tuple[str, ...]:
