@@ -168,14 +168,14 @@ class Orientation:
     )
     smooth: float = key(
         Quantity("length", POSITIVE),
-        "on the normal of a surface: the way over which the tool turns at an edge, to both sides",
+        "on the normal of a surface: the way over which the tool turns at an edge, to both sides (default: 2 mm)",
         default=2e-3,
         quiet=True,
         example="2 mm",
     )
     within: float = key(
         Quantity("length", POSITIVE),
-        "on the normal of a surface: how far from it feeds may be",
+        "on the normal of a surface: how far from it feeds may be (default: 20 mm)",
         default=20e-3,
         quiet=True,
         example="20 mm",
