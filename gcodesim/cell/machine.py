@@ -229,7 +229,8 @@ class MachineTool:
         chain = self._own_chain
         for external in self.externals:
             axes = [_kinematic(axis, cartesian.Axis) for axis in self.axes if axis.letter in external.axes]
-            chain = cartesian.with_table(chain, axes, external.name, self.X_WM.inverse() @ external.X_WE)
+            X_ME = self.X_WM.inverse() @ external.X_WE
+            chain = cartesian.with_table(chain, axes, external.name, X_ME)
         return chain
 
     @property

@@ -33,12 +33,15 @@ def surface_of(cell: Cell, placement: Placement, channel: str) -> tuple[Solid, P
     X_MW = placement.X_WM.inverse()
     if kind == TARGET:
         assert placement.target is not None
-        return solid, X_MW @ placement.target
+        X_MS: Pose = X_MW @ placement.target
+        return solid, X_MS
     frame = f"{kind}/{name}"
     if (on := placement.carried.get(frame)) is not None:
-        return solid, X_MW @ cell.machine_of(channel).platforms[on.link] @ on.X
+        X_MS = X_MW @ cell.machine_of(channel).platforms[on.link] @ on.X
+        return solid, X_MS
     places = {STOCK: placement.stocks, FIXTURE: placement.fixtures, PART: placement.parts}[kind]
-    return solid, X_MW @ places[name]
+    X_MS = X_MW @ places[name]
+    return solid, X_MS
 
 
 def _named(cell: Cell, name: str) -> tuple[Solid | None, str]:
