@@ -33,15 +33,14 @@ def surface_of(cell: Cell, placement: Placement, channel: str) -> tuple[Solid, P
     X_MW = placement.X_WM.inverse()
     if kind == TARGET:
         assert placement.target is not None
-        X_MS: Pose = X_MW @ placement.target
-        return solid, X_MS
+        return solid, X_MW @ placement.target
     frame = f"{kind}/{name}"
     if (on := placement.carried.get(frame)) is not None:
-        X_MS = X_MW @ cell.machine_of(channel).platforms[on.link] @ on.X
-        return solid, X_MS
+        X_WC = cell.machine_of(channel).platforms[on.link]
+        return solid, X_MW @ X_WC @ on.X
     places = {STOCK: placement.stocks, FIXTURE: placement.fixtures, PART: placement.parts}[kind]
-    X_MS = X_MW @ places[name]
-    return solid, X_MS
+    X_WS = places[name]
+    return solid, X_MW @ X_WS
 
 
 def _named(cell: Cell, name: str) -> tuple[Solid | None, str]:

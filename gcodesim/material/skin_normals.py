@@ -18,7 +18,7 @@ Array = NDArray[np.float64]
 Faces = NDArray[np.int32]
 
 _CREASE: Final = math.sqrt(0.75)
-"""The cosine of 30 deg: triangles that lean more against each other meet at an edge of the part; others are facets of something round."""
+"""The cosine of 30 deg: triangles that lean more meet at an edge, others are facets of something round."""
 
 
 @frozen(eq=False)
