@@ -49,6 +49,7 @@ from gcodesim.tools.body import STEEL_DENSITY
 from gcodesim.units import MM, RPM
 
 if TYPE_CHECKING:
+    from gcodesim.controllers import Controller
     from gcodesim.material.stock import Stock
     from gcodesim.processes.materials import Material
     from gcodesim.tools.tool import Tool
@@ -274,9 +275,18 @@ def _robot(robot: Robot) -> Mover:
         externals=outside,
         seen_whole=not isinstance(kinematics, Cartesian),
         description=robot.description,
-        controller=robot.controller,
+        controller=controller_of(robot.controller, kinematics),
         may_meet=robot.allow_collisions,
     )
+
+
+def controller_of(controller: Controller, kinematics: Kinematics) -> Controller:
+    """The same for all joints that move, external axes among them: it has no values for those."""
+    from gcodesim.kinematics.assembly import Assembly
+
+    if not isinstance(kinematics, Assembly):
+        return controller
+    return controller.of_joints(kinematics.own, len(kinematics.joints))
 
 
 def _scene(cell: Cell, mover: Mover, placement: Placement) -> Scene:

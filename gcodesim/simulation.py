@@ -144,7 +144,12 @@ def _read_and_plan(job: Job, running: Sequence[str], marks: int | None = None) -
         job.findings.extend(idle_findings(cell, running or (shop.channel,)))
     settings, problems = settings_of_cell(cell, shop.channel, shop.placement)
     job.findings.extend(problems)
-    settings = replace(job.options.settings(settings), start=_start(shop), answered=True)
+    settings = replace(
+        job.options.settings(settings),
+        start=_start(shop),
+        joint_home=not shop.mover.joints_are_axes,
+        answered=True,
+    )
     job.reading = interpret(job.program, settings)
     from gcodesim.jobs.legs import Legs
 
@@ -171,7 +176,7 @@ def settings_in_cell(cell: Cell) -> tuple[Settings, list[Diagnostic]]:
     """Settings with which `prepare` reads the program of the cell's main channel, and what is wrong with them."""
     shop = open_shop(cell, MAIN)
     settings, problems = settings_of_cell(cell, shop.channel, shop.placement)
-    return replace(settings, start=_start(shop)), problems
+    return replace(settings, start=_start(shop), joint_home=not shop.mover.joints_are_axes), problems
 
 
 def _world_notes(job: Job) -> list[Diagnostic]:

@@ -3,7 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, ClassVar, Literal
+from dataclasses import replace
+from typing import Any, ClassVar, Literal, Self
+
+import numpy as np
+from numpy.typing import NDArray
 
 from gcodesim.declarations.keys import key
 from gcodesim.declarations.kind import NOT_NEGATIVE, POSITIVE, Json
@@ -126,6 +130,18 @@ class Controller:
     def aims(self) -> bool:
         """Whether it changes the reference."""
         return type(self).aim is not Controller.aim
+
+    def of_joints(self, own: NDArray[np.intp], count: int) -> Self:
+        """The same for `count` joints, of which its lists mean those at `own` and have 0 for others.
+
+        A servo stiffness of 0 stands for what `bandwidth` gives. Lists of one value hold for all joints anyway.
+        """
+        lists = {name: np.array(values) for name, values in self.lists().items() if len(values) == len(own)}
+        spread = {name: np.zeros(count) for name in lists}
+        for name, values in lists.items():
+            spread[name][own] = values
+        changes: dict[str, Any] = {name: tuple(values.tolist()) for name, values in spread.items()}
+        return replace(self, **changes)
 
     def lists(self) -> dict[str, tuple[float, ...]]:
         """The keys that have one value a joint, by name; empty ones are not given."""

@@ -124,12 +124,14 @@ class ArmCaps:
         v, a = self.found.speed[:, None], np.minimum(self.found.acceleration, 1e6)[:, None]
         r0, r1, mean = self.rates
         step, twice, h = r1 - r0, 6.0 * mean - 3.0 * (r0 + r1), self.length[:, None]
+        feeding = np.isfinite(path.feed[self.pieces.row_first[self.piece]])
         share, why = np.ones(len(i)), []
         for at, rate, bend in ((i - 1, r0, (step + twice) / h), (i, r1, (step - twice) / h)):
             qd, along, across = rate * v, rate * a, bend * v * v
             static, ahead, behind = loads.efforts(tool, q[at], (0.0, 0.0), (qd, along + across), (qd, across - along))
             push = 0.5 * (ahead - behind)
-            slowing = loads.slowing(self.piece, static, ahead, behind, static + push, static - push)
+            reserve = loads.reserve(tool, q[at], qd, feeding)
+            slowing = loads.slowing(self.piece, static, ahead, behind, static + push, static - push, reserve=reserve)
             share = np.minimum(share, slowing.share)
             why.append(slowing.needed)
         found = self.found._replace(

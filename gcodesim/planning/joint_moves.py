@@ -122,8 +122,10 @@ class JointMove:
         total, step = 1.0 / self.peak + self._ramp(self.peak), self.end - self.start
         share, rate, change = self.law_at((np.arange(_LOOKS) + 0.5) / _LOOKS * total)
         q, tools = self.start + share[:, None] * step, np.full(_LOOKS, tool)
-        static, moved = loads.efforts(tools, q, (0.0, 0.0), (rate[:, None] * step, change[:, None] * step))
-        slowing = loads.slowing(np.full(_LOOKS, piece), static, moved)
+        qd = rate[:, None] * step
+        static, moved = loads.efforts(tools, q, (0.0, 0.0), (qd, change[:, None] * step))
+        reserve = loads.reserve(tools, q, qd, np.zeros(_LOOKS, dtype=bool))
+        slowing = loads.slowing(np.full(_LOOKS, piece), static, moved, reserve=reserve)
         worst = slowing.at(np.array([slowing.share.argmin()]))
         k = float(worst.share[0])
         if k >= 1.0:

@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.arithmetic.distinct import distinct
-from gcodesim.frames import Array
+from gcodesim.arithmetic.matrices import applied, multiplied
+from gcodesim.frames import Array, Pose
 from gcodesim.frozen import frozen
 from gcodesim.kinematics.chain import Chain, Inertial
 from gcodesim.kinematics.dynamics import GRAVITY, inverse_dynamics
@@ -20,15 +21,45 @@ _LEAST: Final = 1e-4  # of speed squared: slower than a hundredth nothing is run
 
 
 @frozen(eq=False)
-class Loads:
-    """Masses on an arm: those of its `chain`, a payload among them, and of `tools` by number, in axes of F.
+class TipPush:
+    """What acts on a tool at its tip, T seen from the flange, besides weight.
 
-    `gravity` (3,) [m/s²] is in base axes. What the tool does to the work is not among them: no plan knows it.
+    `wrench` (6,) [N, N·m] is always there, in base axes, or in those of the tool where it `turns`. `force` [N] is what
+    the work may push with in feed moves, in any direction.
+    """
+
+    X_FT: Pose
+    wrench: Array = field(default_factory=lambda: np.zeros(6))
+    turns: bool = False
+    force: float = 0.0
+
+
+@frozen(eq=False)
+class Motors:
+    """What motors of joints (j,) need for themselves: friction and inertia of rotors.
+
+    `coulomb` [N·m, N], `viscous` [N·m·s/rad, N·s/m] and `rotor` [kg·m², kg], seen from the links.
+    """
+
+    coulomb: Array
+    viscous: Array
+    rotor: Array
+
+
+@frozen(eq=False)
+class Loads:
+    """What motors of an arm bear: masses of its `chain`, a payload among them, and of `tools` by number, in axes of F.
+
+    `gravity` (3,) [m/s²] is in base axes. `pushes` act on tools by number, `motors` are those of a controller, None for
+    ideal ones. How deep a tool will be in the work no plan knows: of its process, only the force that it is expected to
+    make counts.
     """
 
     chain: Chain
     gravity: Array = field(default_factory=lambda: np.array(GRAVITY))
     tools: Mapping[int, Inertial | None] = field(default_factory=dict)
+    pushes: Mapping[int, TipPush] = field(default_factory=dict)
+    motors: Motors | None = None
 
     @property
     def limit(self) -> Array:
@@ -55,19 +86,61 @@ class Loads:
             # motions through one place stand together: the kernel works out its frames once
             at = np.repeat(q[here], len(motions), axis=0)
             qd, qdd = rates[here].reshape(at.shape), changes[here].reshape(at.shape)
-            payload = self.tools.get(number)
-            found = inverse_dynamics(self.chain, at, qd, qdd, payload, gravity=self.gravity)
+            push = self.pushes.get(number)
+            found = inverse_dynamics(
+                self.chain,
+                at,
+                qd,
+                qdd,
+                self.tools.get(number),
+                None if push is None else self._wrench(push, at),
+                p_FT=np.zeros(3) if push is None else push.X_FT.p,
+                gravity=self.gravity,
+            )
+            if self.motors is not None:
+                found = found + self.motors.rotor * qdd
             out[here] = found.reshape(-1, *out.shape[1:])
         return tuple(np.ascontiguousarray(out[:, m]) for m in range(len(motions)))
 
-    def slowing(self, piece: NDArray[np.int64], static: Array, *moved: Array) -> Slowing:
+    def reserve(self, tool: NDArray[np.int64], q: Array, qd: Array, feeding: NDArray[np.bool_]) -> Array:
+        """Efforts (n, j) needed besides, in either direction: for friction, and where `feeding` (n,) for the work.
+
+        A force F of any direction at the tip asks joint i for F times the length of its column of the Jacobian there.
+        """
+        out = np.zeros(q.shape)
+        if self.motors is not None:
+            moves = np.abs(qd)
+            out += np.where(moves > 0.0, self.motors.coulomb, 0.0) + self.motors.viscous * moves
+        for number, push in self.pushes.items():
+            here = feeding & (tool == number)
+            if push.force > 0.0 and here.any():
+                unit = np.tile(np.eye(3, 6), (int(here.sum()), 1))
+                at = np.repeat(q[here], 3, axis=0)
+                each = inverse_dynamics(self.chain, at, 0.0, 0.0, None, unit, p_FT=push.X_FT.p, gravity=np.zeros(3))
+                out[here] += push.force * np.sqrt((each.reshape(-1, 3, q.shape[1]) ** 2).sum(axis=1))
+        return out
+
+    def _wrench(self, push: TipPush, q: Array) -> Array:
+        """The constant load at the tip (n, 6) in base axes, at joints `q` (n, j)."""
+        if not push.turns or not push.wrench.any():
+            return np.tile(push.wrench, (len(q), 1))
+        from gcodesim.kinematics.tree_kernels import poses_along
+
+        tree, flange = self.chain.tree, np.empty((len(q), 1, 4, 4))
+        carrier, offset = np.array([tree.flange_carrier]), np.ascontiguousarray(tree.flange_offset[None])
+        poses_along(np.ascontiguousarray(q), tree, carrier, offset, np.empty((q.shape[1], 4, 4)), flange)
+        R_BT = multiplied(flange[:, 0, :3, :3], push.X_FT.R)
+        return np.concatenate([applied(R_BT, push.wrench[:3]), applied(R_BT, push.wrench[3:])], axis=1)
+
+    def slowing(self, piece: NDArray[np.int64], static: Array, *moved: Array, reserve: Array | float = 0.0) -> Slowing:
         """The share of speed squared and of acceleration that is allowed at n places, which are on `piece` (n,).
 
         Efforts (n, j) are `static` at rest and each of `moved` at full speed and acceleration. A motion that is slowed
-        evenly by k in speed squared and in acceleration takes ``static + k (moved - static)``. Where rest alone is too
-        much, nothing is gained by going slower.
+        evenly by k in speed squared and in acceleration takes ``static + k (moved - static)``, and `reserve` (n, j) of
+        a limit stays free. Where rest alone is too much, nothing is gained by going slower.
         """
-        limit = _SHARE * self.limit
+        kept = np.where(np.abs(static) + reserve < _SHARE * self.limit, reserve, 0.0)
+        limit = _SHARE * self.limit - kept
         rows = np.arange(len(static))
         share, joint, most = np.ones(len(static)), np.full(len(static), -1), np.zeros(len(static))
         for efforts in moved:
@@ -79,34 +152,40 @@ class Loads:
             value = allowed[rows, least]
             lower = value < share
             share, joint = np.where(lower, value, share), np.where(lower, least, joint)
-            most = np.where(lower, np.abs(efforts[rows, least]), most)
-        return Slowing(piece=piece, share=np.maximum(share, _LEAST), joint=joint, effort=most)
+            most = np.where(lower, np.abs(efforts[rows, least]) + kept[rows, least], most)
+        spare = np.where(joint >= 0, kept[rows, joint], 0.0)
+        over = np.abs(static) + reserve - self.limit
+        overborne = np.where((over > 0.0) & (np.abs(static) <= self.limit), over, 0.0)
+        return Slowing(piece, np.maximum(share, _LEAST), joint, most, spare, overborne)
 
 
 @frozen(kw_only=False, eq=False)
 class Slowing:
     """At n places of `piece` (n,): the `share` (n,) of speed squared that motors allow, and for which `joint` (n,).
 
-    -1: for none. `effort` (n,) [N·m, N] is what that joint would have to give otherwise.
+    -1: for none. `effort` (n,) [N·m, N] is what that joint would have to give otherwise, `reserve` (n,) of it for
+    friction and the work. `overborne` (n, j) is by how much a motor that bears its joint at rest cannot bear the work.
     """
 
     piece: NDArray[np.int64]
     share: Array
     joint: NDArray[np.int64]
     effort: Array
+    reserve: Array
+    overborne: Array
 
     def at(self, places: NDArray[np.intp]) -> Slowing:
         """That of some of the places."""
-        return Slowing(self.piece[places], self.share[places], self.joint[places], self.effort[places])
+        return Slowing(*(getattr(self, name)[places] for name in Slowing.__dataclass_fields__))
 
     @property
     def needed(self) -> Slowing:
-        """That of the places where motors need it."""
-        return self.at(np.flatnonzero(self.joint >= 0))
+        """That of the places where motors need it, or cannot bear the work."""
+        return self.at(np.flatnonzero((self.joint >= 0) | self.overborne.any(axis=1)))
 
     @staticmethod
     def together(some: Sequence[Slowing]) -> Slowing:
-        """All places of several."""
-        none = Slowing(np.zeros(0, dtype=np.int64), np.zeros(0), np.zeros(0, dtype=np.int64), np.zeros(0))
-        columns = zip(*((s.piece, s.share, s.joint, s.effort) for s in (none, *some)), strict=True)
-        return Slowing(*(np.concatenate(column) for column in columns))
+        """All places of several, at least one."""
+        return Slowing(
+            *(np.concatenate([getattr(each, name) for each in some]) for name in Slowing.__dataclass_fields__)
+        )

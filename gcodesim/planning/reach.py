@@ -205,8 +205,12 @@ def report_slow_joints(
 
 
 def report_slow_motors(kinematics: Kinematics, pieces: Pieces, slowing: Slowing, findings: Findings) -> None:
-    """Note once that motions are slower than speeds and accelerations allow, because a motor can give no more."""
-    needed = slowing.needed
+    """Note once that motions are slower than speeds and accelerations allow, because a motor can give no more (GS231).
+
+    Another note tells where a motor cannot bear what the tool expects, however slow the motion is.
+    """
+    _report_overborne(kinematics, pieces, slowing, findings)
+    needed = slowing.at(np.flatnonzero(slowing.joint >= 0))
     if not len(needed.piece):
         return
     worst = int(needed.share.argmin())
@@ -214,12 +218,13 @@ def report_slow_motors(kinematics: Kinematics, pieces: Pieces, slowing: Slowing,
     unit = "N·m" if joints.kinds[j] == "revolute" else "N"
     first = int(needed.piece.min())
     at, worst_at = (pieces.path.span(int(pieces.row_last[p])) for p in (first, int(needed.piece[worst])))
-    effort, limit = float(needed.effort[worst]), float(joints.effort[j])
+    effort, limit, spare = float(needed.effort[worst]), float(joints.effort[j]), float(needed.reserve[worst])
+    besides = f", and {spare:.1f} {unit} of it for friction and the force of the work," if spare > 0.0 else ""
     findings.add(
         Diagnostic(
             code="GS231",
             message=f"accelerates with {100.0 * needed.share[worst]:.0f} %: {joints.names[j]} would need"
-            f" {effort:.1f} {unit} for its weight and inertia and can give {limit:.1f} {unit}",
+            f" {effort:.1f} {unit} for its weight and inertia{besides} and can give {limit:.1f} {unit}",
             span=at,
             hint=f"most of all in line {worst_at.line}" if worst_at.line != at.line else "",
             count=_blocks(pieces, needed.piece),
@@ -227,4 +232,31 @@ def report_slow_motors(kinematics: Kinematics, pieces: Pieces, slowing: Slowing,
             limit=limit,
             unit=unit,
         )
+    )
+
+
+def _report_overborne(kinematics: Kinematics, pieces: Pieces, slowing: Slowing, findings: Findings) -> None:
+    """Note where a motor that bears its joint at rest cannot bear the force that is expected, from its worst side."""
+    places = np.flatnonzero(slowing.overborne.any(axis=1))
+    if not len(places):
+        return
+    worst, j = (int(k) for k in np.unravel_index(slowing.overborne.argmax(), slowing.overborne.shape))
+    joints, path = kinematics.joints, pieces.path
+    unit, limit = "N·m" if joints.kinds[j] == "revolute" else "N", float(joints.effort[j])
+    needed = limit + float(slowing.overborne[worst, j])
+    at, worst_at = (path.span(int(pieces.row_last[p])) for p in (slowing.piece[places].min(), slowing.piece[worst]))
+    findings.add(
+        Diagnostic(
+            code="GS231",
+            message=f"no slowness helps: {joints.names[j]} would need {needed:.1f} {unit} for its weight and the force"
+            f" that its tool expects, if that comes from the worst side, and can give {limit:.1f} {unit}",
+            span=at,
+            hint="cut less deep, hold the tool closer to the robot, or check `expected_force` of the tool"
+            + (f"; most of all in line {worst_at.line}" if worst_at.line != at.line else ""),
+            count=_blocks(pieces, slowing.piece[places]),
+            value=needed,
+            limit=limit,
+            unit=unit,
+        ),
+        key=("GS231", "overborne"),
     )

@@ -25,10 +25,11 @@ if TYPE_CHECKING:
     from gcodesim.kinematics.attitude import AttitudeLaw
     from gcodesim.planning.fixed_attitude import FixedAttitude
     from gcodesim.planning.guide import Outside
-    from gcodesim.planning.loads import Loads
+    from gcodesim.planning.loads import Loads, Motors, TipPush
     from gcodesim.planning.obstacles import Obstacles
     from gcodesim.planning.stands import Stands
     from gcodesim.planning.surface_axis import SurfaceAxis
+    from gcodesim.tools.tool import Tool
 
 
 def posing_of(shop: Shop, obstacles: Obstacles | None = None) -> Posing:
@@ -125,7 +126,7 @@ def _stands(shop: Shop, outside: Outside | None) -> Stands | None:
 
 
 def loads_of(shop: Shop) -> Loads:
-    """The masses that the robot of the shop moves: its links, its payload and each of the tools."""
+    """What the motors of the shop's robot bear: its links, its payload, each of the tools and what acts on it."""
     from gcodesim.planning.loads import Loads
     from gcodesim.world.body import tool_body
     from gcodesim.world.model import payload_of
@@ -134,7 +135,37 @@ def loads_of(shop: Shop) -> Loads:
         chain=shop.kinematics.chain,
         gravity=applied(shop.X_WB.inverse().R, np.array(GRAVITY)),
         tools={number: payload_of(tool_body(tool)) for number, tool in shop.cell.tools.items()},
+        pushes={number: push for number, tool in shop.cell.tools.items() if (push := _push_of(tool, shop)) is not None},
+        motors=_motors_of(shop),
     )
+
+
+def _push_of(tool: Tool, shop: Shop) -> TipPush | None:
+    """What acts on the tip of `tool`: its constant load, and the force that its work is expected to make."""
+    from gcodesim.planning.loads import TipPush
+
+    if tool.load is None and tool.expected_force is None:
+        return None
+    force = tool.expected_force or 0.0
+    if tool.load is None:
+        return TipPush(X_FT=tool.X_FT, force=force)
+    own = np.array([*tool.load.force, *tool.load.torque])
+    turns = tool.load.frame == "tool"
+    R_BW = shop.X_WB.inverse().R
+    wrench = own if turns else np.concatenate([applied(R_BW, own[:3]), applied(R_BW, own[3:])])
+    return TipPush(X_FT=tool.X_FT, wrench=wrench, turns=turns, force=force)
+
+
+def _motors_of(shop: Shop) -> Motors | None:
+    """Friction and rotors that the controller of the robot says; None of an ideal one."""
+    from gcodesim.planning.loads import Motors
+    from gcodesim.world.driven import friction_of, rotors_of
+
+    own, joints = shop.mover.controller, shop.kinematics.chain.driven_joints
+    if own.law == "ideal":
+        return None
+    coulomb, viscous = friction_of(own, joints)
+    return Motors(coulomb=coulomb, viscous=viscous, rotor=rotors_of(own, joints.effort))
 
 
 def _outside(shop: Shop, law: AttitudeLaw | None) -> Outside | None:

@@ -271,16 +271,27 @@ class Control:
             self.last_system = event
             self.out.append(event)
 
-    def restore_systems(self) -> None:
-        """Put the offsets of a parameter file in force from the start."""
-        get = self.parameters.get
-        index = round(get(numbers.ACTIVE_SYSTEM))
-        state = self.state
+    @property
+    def _start_axes(self) -> Vector:
+        """Where the machine's axes stand before the first block, in mm and degrees."""
         x, y, z, a, b, c = self.settings.start
         values = [x / MM, y / MM, z / MM, a / DEG, b / DEG, c / DEG, 0.0, 0.0, 0.0]
         for letter, column in self.settings.columns.items():
             values[AXES.index(letter)], values[3 + column] = (a, b, c)[column] / MM, 0.0
         axes: Vector = tuple(values)  # type: ignore[assignment]
+        return axes
+
+    def at_home(self) -> Vector:
+        """The point of the active work system at which the tool stands once the joints are where they began."""
+        axes: Vector = tuple(self.program_units(at, axis) for axis, at in enumerate(self._start_axes))  # type: ignore[assignment]
+        return self.point_of(subtract(axes, self.length))
+
+    def restore_systems(self) -> None:
+        """Put the offsets of a parameter file in force from the start."""
+        get = self.parameters.get
+        index = round(get(numbers.ACTIVE_SYSTEM))
+        state = self.state
+        axes = self._start_axes
         state.system = index if 1 <= index <= 9 else 1
         self.parameters.numbers[numbers.ACTIVE_SYSTEM] = float(state.system)
         state.origin, state.rotation = self.system_offset(state.system)

@@ -287,6 +287,8 @@ def _go_home(first: int, code: int) -> Callable[[Words, Control], None]:
             named = [letter in words.values for letter in AXES]
             # as on the control, the named axes are those of the work system, also where it is turned
             end = tuple(end[axis] if named[axis] else state.current[axis] for axis in range(9))  # type: ignore[assignment]
+        if control.settings.joint_home and not _is_stored(control, first):
+            end = control.at_home()  # all joints go there, whichever axes are named
         control.rapid(end, word)
         _name_home(control, first, word)
 
@@ -295,13 +297,17 @@ def _go_home(first: int, code: int) -> Callable[[Words, Control], None]:
 
 def _name_home(control: Control, first: int, word: str) -> None:
     """A home that nobody has stored is marked by name, so that an arm may go to its joint home instead."""
-    if any(first + axis in control.parameters.numbers for axis in range(9)):
+    if _is_stored(control, first):
         return
     from gcodesim import canon
 
     last = control.out[-1]
     assert isinstance(last, canon.Rapid)
     control.out[-1] = replace(last, home=word)
+
+
+def _is_stored(control: Control, first: int) -> bool:
+    return any(first + axis in control.parameters.numbers for axis in range(9))
 
 
 def _store_home(first: int) -> Callable[[Words, Control], None]:

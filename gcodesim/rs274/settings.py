@@ -40,7 +40,8 @@ class Settings:
     without G43 its length counts from there on.
     `answered`: whoever iterates the run answers each `canon.ProbeMove` and
     `canon.Input`; else a probe trips at the end of its move and inputs read 0.
-    `start` [m, rad] is where the axes stand before the first block.
+    `start` [m, rad] is where the axes stand before the first block; with `joint_home` that is also where all of them
+    go together (G28, G30) as long as no home was stored.
     `options` are settings that one kind of control alone has, as its dialect declares them
     (`Dialect.options`); those of other dialects are passed over.
     `limits` are those of a printer's planner that differ from the dialect's, by the names of `canon.MotionLimits`.
@@ -72,6 +73,7 @@ class Settings:
     unturned: frozenset[int] = frozenset()
     answered: bool = False
     start: Axes = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    joint_home: bool = False
     tool_length: Literal["auto", "strict"] = "auto"
     loaded_tool: int = 0
     auto_length: Mapping[int, float] | None = None

@@ -40,7 +40,7 @@ from gcodesim.session.run_thread import RunThread
 from gcodesim.session.sensor_in_hand import Present, depths_of, looking, pixels_of
 from gcodesim.session.servo_kernels import JointBounds, approach
 from gcodesim.session.table_plan import Stretched, merged, plan_of
-from gcodesim.shop import Shop, open_shop
+from gcodesim.shop import Shop, controller_of, open_shop
 from gcodesim.tools.tcp_load import LOAD_FRAMES, TcpLoad
 from gcodesim.units import MM
 
@@ -494,7 +494,7 @@ class Arm:
         for name, values in controller.lists().items():
             if len(values) not in (0, 1, count):
                 raise MisuseError(f"`{name}` has {len(values)} entries; `{self.name}` has {count} joints")
-        mover = replace(shop.mover, controller=controller)
+        mover = replace(shop.mover, controller=controller_of(controller, shop.kinematics))
         scene = replace(shop.scene, movers={**shop.scene.movers, mover.name: mover})
         cell._job.shop = replace(shop, mover=mover, scene=scene)
 

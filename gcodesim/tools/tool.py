@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from gcodesim.declarations.keys import fill_derived, key
+from gcodesim.declarations.kind import POSITIVE
+from gcodesim.declarations.quantity import Quantity
 from gcodesim.frames import Pose
 from gcodesim.frozen import frozen
 from gcodesim.solids import Placed
@@ -63,6 +65,14 @@ class Tool:
         OwnBody, "its own shape from a mesh or a URDF; none: simple bodies of its kind", default=None
     )
     load: TcpLoad | None = key(TcpLoad, "a force and torque at its tip besides those of its process", default=None)
+    expected_force: float | None = key(
+        Quantity("force", POSITIVE),
+        "of the work on its tip in feed moves, in any direction: the timing of arms keeps motors able to give it",
+        default=None,
+        rule="none",
+        quiet=True,
+        example="300 N",
+    )
 
     def __init_subclass__(cls) -> None:
         if "process" in vars(cls) and "processes" not in vars(cls):

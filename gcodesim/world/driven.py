@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from gcodesim.controllers.controller import RobotModel, Sense, Servo
+from gcodesim.controllers.controller import Controller, RobotModel, Sense, Servo
 from gcodesim.frames import Array, Pose
 from gcodesim.kinematics.dynamics import inverse_dynamics
 from gcodesim.kinematics.elasticity import shift_jacobian
@@ -22,6 +22,7 @@ from gcodesim.world.reaction import tool_reaction
 from gcodesim.world.state import WorldBase, reaction_of, wrench_rows
 
 if TYPE_CHECKING:
+    from gcodesim.kinematics.chain import Joints
     from gcodesim.world.drive_kernels import Drives
 
 SHORTEST_NS: Final = 250_000
@@ -72,16 +73,16 @@ class DrivenWorld(WorldBase):
         law = {"placed": d.PLACED, "servo": d.SERVO, "computed": d.COMPUTED, "given": d.GIVEN}[own.law]
         gear = np.zeros(j) if self.robot.stiffness is None else np.array(self.robot.stiffness, dtype=float)
         gear = np.where(np.isfinite(gear), gear, 0.0)
-        top = np.where(np.isfinite(joints.speed), joints.speed, 1.0)
-        usual = np.where(np.isfinite(self._limit), self._limit, 0.0) / USUAL_ROTOR
-        rotor = _per_joint(own.rotor_inertia, j) if own.rotor_inertia else usual
+        rotor = rotors_of(own, self._limit)
+        coulomb, viscous = friction_of(own, joints)
         stiffness, damping = np.zeros(j), np.zeros(j)
         if isinstance(own, Servo):
             self._weigh_at(self._home)
             inertia = np.diag(self._room.mass) + rotor
             omega = np.full(j, 2.0 * np.pi * own.bandwidth)
             if own.stiffness:
-                omega = np.sqrt(_per_joint(own.stiffness, j) / inertia)
+                given = _per_joint(own.stiffness, j)
+                omega = np.where(given > 0.0, np.sqrt(given / inertia), omega)
             stiffness, damping = inertia * omega * omega, inertia * 2.0 * own.damping * omega
         return d.Drives(
             law=law,
@@ -89,8 +90,8 @@ class DrivenWorld(WorldBase):
             gear=gear,
             gear_damping=own.gear_damping * gear,
             limit=np.array(self._limit, dtype=float),
-            coulomb=_per_joint(own.friction, j),
-            viscous=_per_joint(own.viscous_friction, j) / top,
+            coulomb=coulomb,
+            viscous=viscous,
             stiffness=stiffness,
             damping=damping,
         )
@@ -288,6 +289,20 @@ class DrivenWorld(WorldBase):
 
     def close(self) -> None:
         """Does nothing; there is nothing to free."""
+
+
+def rotors_of(own: Controller, limit: Array) -> Array:
+    """Inertia of the rotors (j,) seen from the links, of motors with the effort `limit` (j,)."""
+    if own.rotor_inertia:
+        return _per_joint(own.rotor_inertia, len(limit))
+    usual: Array = np.where(np.isfinite(limit), limit, 0.0) / USUAL_ROTOR
+    return usual
+
+
+def friction_of(own: Controller, joints: Joints) -> tuple[Array, Array]:
+    """Coulomb [N·m, N] and viscous [N·m·s/rad, N·s/m] friction (j,) of motors and gears."""
+    top = np.where(np.isfinite(joints.speed), joints.speed, 1.0)
+    return _per_joint(own.friction, len(top)), _per_joint(own.viscous_friction, len(top)) / top
 
 
 def _per_joint(values: tuple[float, ...], count: int) -> Array:

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from math import cos, radians, sin
 from random import Random
 
@@ -17,10 +17,11 @@ OFTEN = 0.5
 
 @dataclass(frozen=True)
 class Drawn:
-    """A cell and a program for it."""
+    """A cell and a program for it; `others` are those of further channels."""
 
     cell: str
     program: str
+    others: Mapping[str, str] = field(default_factory=dict)
 
 
 def _axis(rng: Random, letter: str, *, rotary: bool = False, more: str = "") -> str:
@@ -221,6 +222,87 @@ def arm_at_a_table(rng: Random) -> Drawn:
     return Drawn(cell, f"G21 G90 G94 {_mode(rng)}\nT1 M6\n{_moves(rng, 20, 30, words)}M2\n")
 
 
+def arm_that_pushes(rng: Random) -> Drawn:
+    """An arm whose motors have friction and rotors, with a spring at the tip and a force that its work is to make."""
+    drawn = arm(rng)
+    friction = ", ".join(f"{rng.uniform(0, 0.05) * most:.1f}" for most in (150, 150, 80, 20, 20, 10))
+    arm_ = f"arm: {{controller: {{type: computed_torque, friction: [{friction} N·m]}}, model"
+    spring = ", ".join(f"{rng.uniform(-20, 20):.0f}" for _ in range(3))
+    load = f"load: {{force: [{spring} N], frame: {rng.choice(('world', 'tool'))}}}"
+    tool = f"length: 60, {load}, expected_force: {rng.uniform(5, 80):.0f} N}}"
+    return Drawn(drawn.cell.replace("arm: {model", arm_).replace("length: 60}", tool), drawn.program)
+
+
+def arm_with_stands(rng: Random) -> Drawn:
+    """An arm that drives to a rack to change its tools, and home in between."""
+    turn, load = rng.uniform(-20, 20), rng.uniform(0, 8)
+    cell = (
+        "gcodesim: 1\nrobots:\n"
+        f"  arm: {{model: kuka_kr10_r1100_2, home: [0, -90, 90, 0, 90, 0], payload: {{mass: {load:.1f} kg}}}}\n"
+        f"frames: {{rack: {{in: world, xyz: [{rng.uniform(250, 350):.0f}, {rng.uniform(420, 500):.0f}, 160]}}}}\n"
+        f"work_offsets: {{G54: {{in: world, xyz: [{rng.uniform(520, 640):.0f}, -60, 200], rpy: [0, 0, {turn:.0f}]}}}}\n"
+        "magazine:\n  stands:\n"
+        "    1: {in: rack, xyz: [-100, 0, 200], rpy: [180, 0, 0], approach: 80, slide: [0, -140, 0]}\n"
+        "    2: {in: rack, xyz: [100, 0, 200], rpy: [180, 0, 0], approach: 60, slide: [0, -100, 30]}\n"
+        "tools:\n  1: {type: flat_end_mill, diameter: 10, length: 70, mass: 2 kg}\n"
+        "  2: {type: ball_end_mill, diameter: 6, length: 120, mass: 0.4 kg}\n"
+    )
+    parts = [f"T{tool} M6\n{_moves(rng, 5, 40, str)}{rng.choice(('G28', 'G4 P0.2'))}\n" for tool in (1, 2, 1)]
+    return Drawn(cell, f"G21 G90 G94 {_mode(rng)}\n{''.join(parts)}T0 M6\nM2\n")
+
+
+def probing_mill(rng: Random) -> Drawn:
+    """A mill that probes its stock: each trip begins to brake where the ball touches."""
+    axes = "".join(_axis(rng, letter) for letter in "XYZ")
+    stock = "stock: {box: [60, 40, 20], zero: top-front-left, material: al6082_t6, resolution: 1}\n"
+    cell = f"gcodesim: 1\nmachine:\n  axes:\n{axes}{stock}tools: {{1: {{type: probe, diameter: 3, length: 60}}}}\n"
+    lines = ["G21 G90 G94", _mode(rng), "T1 M6", "G43 H1", "G0 X5 Y5 Z10"]
+    for _ in range(4):
+        x, y, feed = rng.uniform(5, 55), rng.uniform(5, 35), 10 ** rng.uniform(1.5, 3.5)
+        lines += [
+            f"G0 X{x:.2f} Y{y:.2f}",
+            f"G38.3 Z-3 F{feed:.0f}",
+            "G91",
+            "G0 Z2",
+            f"G38.3 Z-4 F{feed / 8:.0f}",
+            "G90",
+        ]
+        lines += [f"G1 Z10 {_feed(rng)}"]
+    lines += ["G0 X-20 Y20", "G0 Z-8", f"G38.3 X5 {_feed(rng)}", "G0 X-20", "M2"]
+    return Drawn(cell, "\n".join(lines) + "\n")
+
+
+def spraying_arm(rng: Random) -> Drawn:
+    """An arm with a spray gun that is switched on the way, in passes with overrun; outputs join no blocks."""
+    gun = "tools: {1: {type: spray_gun, cone: 30 deg, efficiency: 0.65, solids: 0.45, length: 150, mass: 1.5 kg}}\n"
+    cell = arm(rng).cell.replace(TOOL, gun) + "m_codes: {M10: {tool: activate}, M11: {tool: deactivate}}\n"
+    lines = []
+    for k in range(5):
+        x = 40.0 if k % 2 == 0 else -40.0
+        lines += [f"G1 X{x} Y{8 * k} {_feed(rng)}", rng.choice(("M10", "M62 P1")), f"G1 X{-x} {_feed(rng)}", "M11"]
+    return Drawn(cell, f"G21 G90 G94 {_mode(rng)}\nT1 M6\nG0 X-40 Y0 Z0\n" + "\n".join(lines) + "\nM2\n")
+
+
+def two_arms(rng: Random) -> Drawn:
+    """Two arms whose programs wait for each other; the one of the second is in the cell."""
+    cell = (
+        "gcodesim: 1\nframes: {table: {in: world, xyz: [770, 0, 300]}}\nrobots:\n"
+        "  left: {model: kuka_kr10_r1100_2}\n"
+        "  right: {model: kuka_kr10_r1100_2, base: {in: world, xyz: [1540, 0, 0], rpy: [0, 0, 180]}}\n"
+        "channels:\n"
+        "  main: {robot: left, work_offsets: {G54: {in: table}}, m_codes: {M200: {wait: half}}}\n"
+        "  right: {robot: right, work_offsets: {G54: {in: table}}, m_codes: {M200: {wait: half}}}\n"
+        "tools:\n  1: {type: flat_end_mill, diameter: 10, length: 60}\n"
+        "  2: {type: flat_end_mill, diameter: 8, length: 60}\n"
+    )
+    programs = []
+    for tool, side in ((1, -150), (2, 150)):
+        begin = f"G21 G90 G94 {_mode(rng)}\nT{tool} M6\nG0 X{side} Y0 Z60\nG92 X0 Y0 Z0\n"
+        parts = [_moves(rng, 6, 40, str), "M200\n", _moves(rng, 6, 40, str)]
+        programs.append(f"{begin}{''.join(parts)}M2\n")
+    return Drawn(cell, programs[0], {"right": programs[1]})
+
+
 def with_jerk(drawn: Drawn, rng: Random) -> Drawn:
     """The same with limits of jerk: full acceleration takes from 10 to 200 ms to build up."""
 
@@ -229,7 +311,7 @@ def with_jerk(drawn: Drawn, rng: Random) -> Drawn:
 
     cell = re.sub(r"acceleration: ([0-9.]+) ((?:mm|deg|m)/s)\^2", of_axis, drawn.cell)
     joints = ", ".join(f"{900.0 / 10 ** rng.uniform(-2.0, -0.5):.0f}" for _ in range(6))
-    return Drawn(re.sub(r"(arm: {model: \w+)", rf"\1, jerk: [{joints} deg/s^3]", cell), drawn.program)
+    return Drawn(re.sub(r"(model: \w+)(?=[,}])", rf"\1, jerk: [{joints} deg/s^3]", cell), drawn.program, drawn.others)
 
 
 KINDS: dict[str, Callable[[Random], Drawn]] = {
@@ -237,8 +319,13 @@ KINDS: dict[str, Callable[[Random], Drawn]] = {
     "five axes": five_axes,
     "five axes by vectors": five_axes_by_vectors,
     "arm": arm,
+    "arm that pushes": arm_that_pushes,
     "arm by vectors": arm_by_vectors,
     "arm by words": arm_by_words,
+    "arm with stands": arm_with_stands,
+    "arm that sprays": spraying_arm,
+    "arms, two": two_arms,
+    "probing mill": probing_mill,
     "arm on a rail": arm_on_a_rail,
     "arm at a table": arm_at_a_table,
 }

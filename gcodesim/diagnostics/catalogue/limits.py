@@ -184,12 +184,14 @@ CODES: tuple[Code, ...] = (
         severity=Severity.NOTE,
         title="Slowed for a motor",
         what="Speeds and accelerations of the joints would allow a quicker motion, but a motor could not give its"
-        " torque or force: weight, inertia and payload need more than the effort limit. The motion is slowed there"
-        " until they do not; the message names the least share of the acceleration that is left. What the tool does"
-        " to the work is not counted: no plan knows it before the run (GS230).",
+        " torque or force: weight, inertia, payload, tool and its `load`, and the friction and rotors of a `controller`"
+        " need more than the effort limit. The motion is slowed there until they do not; the message names the least"
+        " share of the acceleration that is left. How deep a tool cuts no plan knows before the run: of its process,"
+        " only `expected_force` of the tool counts, in feed moves and from the worst side. Where a motor could not"
+        " bear that even at rest, another note says so, and the motion is timed without it.",
         why="Machine time is longer than speeds and accelerations alone say.",
         remedy="Nothing, if the time is right. A lighter tool or payload, or a part nearer to the arm, makes it"
-        " quicker. Check `effort` of the joint in the URDF and `payload` when the torque looks wrong.",
+        " quicker. Check `effort` of the joint in the URDF, `payload` and `expected_force` if the torque looks wrong.",
     ),
     Code(
         code="GS232",

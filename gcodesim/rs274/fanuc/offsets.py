@@ -201,8 +201,10 @@ def _go_home(words: Words, control: FanucControl) -> None:
     end: Vector = tuple(  # type: ignore[assignment]
         home[axis] if letter in words.values else axes[axis] for axis, letter in enumerate(AXES)
     )
-    control.rapid(control.point_of(subtract(end, control.length)), who)
-    if first is None or not any(first + axis in known for axis in range(6)):
+    unknown = first is None or not any(first + axis in known for axis in range(6))
+    by_joints = unknown and control.settings.joint_home  # all of them, whichever axes are named
+    control.rapid(control.at_home() if by_joints else control.point_of(subtract(end, control.length)), who)
+    if unknown:
         last = control.out[-1]
         assert isinstance(last, canon.Rapid)
         control.out[-1] = replace(last, home=who)
