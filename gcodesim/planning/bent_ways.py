@@ -1,4 +1,4 @@
-"""Moves that go otherwise than they look in the program: bent rapids, and tools that turn on the spot."""
+"""Moves that go otherwise than they look in the program: bent rapids, and axes that turn on the spot."""
 
 from __future__ import annotations
 
@@ -17,11 +17,15 @@ from gcodesim.units import DEG, MM
 
 if TYPE_CHECKING:
     from gcodesim.frames import Array
+    from gcodesim.kinematics.protocol import Kinematics
     from gcodesim.kinematics.tool_point import ToolPoint
+    from gcodesim.planning.nodes import Nodes
+    from gcodesim.planning.reach import FlangePoses
 
 _SAMPLES: Final = 64  # of a bent rapid
 _BENT: Final = 1e-3  # [m] beside the straight line that is worth a note
 _JUMP: Final = 90.0 * DEG  # by which a rotary axis may turn more than the tool does, within one feed move
+_SPOT: Final = 20e-3  # [m] of a feed on which a joint of an arm may not turn by so much more
 
 
 def report_bent_rapids(pieces: Pieces, findings: Findings) -> None:
@@ -91,3 +95,60 @@ def report_jumps(path: ToolPath, tool: ToolPoint, held: NDArray[np.bool_], q: Ar
             unit="rad",
         )
     )
+
+
+def report_turning_joints(
+    kinematics: Kinematics, flange: FlangePoses, nodes: Nodes, q: Array, exact: NDArray[np.bool_], findings: Findings
+) -> None:
+    """GS212 on arms: a joint turns far on a short way of a feed though the tool hardly turns, as a wrist that flips.
+
+    `q` (k, j) are the joints at the nodes; `exact` (k,) marks nodes that the arm reaches. Where GS204 says already that
+    a joint is too slow for such a turn, nothing is said again.
+    """
+    turning = np.array([kind == "revolute" for kind in kinematics.joints.kinds])
+    pieces = flange.pieces
+    good = exact & np.isfinite(pieces.path.feed[pieces.row_first[nodes.piece]])
+    begin, end = _on_the_spot(nodes, good)
+    turned = np.abs(q[end] - q[begin]) * turning
+    far = np.flatnonzero(turned.max(axis=1, initial=0.0) > _JUMP)
+    if not len(far):
+        return
+    begin, end, turned = begin[far], end[far], turned[far]
+    before, after = (flange.at(nodes.piece[k], nodes.s[k])[:, :3, :3] for k in (begin, end))
+    cosine = 0.5 * ((before * after).sum(axis=(1, 2)) - 1.0)  # Rodrigues 1840: the trace of the turn between both
+    lean = acos(np.clip(cosine, -1.0, 1.0))
+    rows = pieces.row_last[nodes.piece[end]].astype(np.int64)
+    told = {finding.span for finding in findings if finding.code == "GS204"}
+    jumps = [k for k in np.flatnonzero(turned.max(axis=1) - lean > _JUMP) if pieces.path.span(int(rows[k])) not in told]
+    if not jumps:
+        return
+    first = jumps[0]
+    worst = max((k for k in jumps if rows[k] == rows[first]), key=lambda k: float(turned[k].max()))
+    joint = int(turned[worst].argmax())
+    angle = float(turned[worst, joint])
+    findings.add(
+        Diagnostic(
+            code="GS212",
+            message=f"{kinematics.joints.names[joint]} turns by {angle / DEG:.0f} deg within {_SPOT / MM:.0f} mm of a"
+            f" feed, in which the tool turns by {lean[worst] / DEG:.1f} deg",
+            span=pieces.path.span(int(rows[first])),
+            hint="keep clear of the singularity: shift the part, tilt the tool, or let its spin free",
+            count=len({int(rows[k]) for k in jumps}),
+            value=angle,
+            limit=_JUMP,
+            unit="rad",
+        )
+    )
+
+
+def _on_the_spot(nodes: Nodes, good: NDArray[np.bool_]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Pairs of nodes (n,) as far from each other as the spot is wide, or less, with only `good` (k,) ones between."""
+    first, last = [np.zeros(0, dtype=np.intp)], [np.zeros(0, dtype=np.intp)]
+    bad = np.concatenate([[0], np.cumsum(~good)])
+    for a, b in nodes.chains:
+        way = nodes.way(a, b)
+        last.append(np.arange(a, b))
+        first.append(a + np.searchsorted(way, way - _SPOT))
+    begin, end = np.concatenate(first), np.concatenate(last)
+    whole = bad[end + 1] == bad[begin]
+    return begin[whole], end[whole]

@@ -29,6 +29,7 @@ from gcodesim.motion.tool_path import HOME, Commanded, ToolPath
 from gcodesim.planning.arm_caps import ArmCaps
 from gcodesim.planning.arm_joints import ArmJoints
 from gcodesim.planning.axis_posing import offsets
+from gcodesim.planning.bent_ways import report_turning_joints
 from gcodesim.planning.configuration import Hindrance, on_branches
 from gcodesim.planning.external_choice import ChosenPlaces, choose_places
 from gcodesim.planning.flange import Flange
@@ -186,6 +187,7 @@ class FixedAttitude:
         ends = {rows.row(row): q for row, q in goals.items()}
         moves = _joint_moves(kinematics, pieces, nodes, q_nodes, home, rest, ends)
         caps.report(kinematics, findings)
+        report_turning_joints(kinematics, flange, nodes, q_nodes, ~bridged, findings)
         if self.loads is not None and self.loads.matter:
             caps, slow = caps.within(self.loads, nodes, q_nodes)
             moves, slower = _moves_within(moves, self.loads, pieces)

@@ -109,8 +109,10 @@ CODES: tuple[Code, ...] = (
         severity=Severity.WARNING,
         title="The tool turns on the spot",
         what="Within one feed move of the tip, a rotary axis turns by far more than the direction of the tool in the"
-        " work changes: it rewinds, the axes change their branch, or the tool passes the pole.",
-        why="The linear axes swing along with it while the tool hardly moves on: it rubs or gouges, and the block"
+        " work changes: it rewinds, the axes change their branch, or the tool passes the pole. On an arm, a joint turns"
+        " by so much more than the tool within 20 mm of a feed: its wrist flips beside a singularity. Where a joint is"
+        " too slow for that, GS204 says so instead.",
+        why="The other axes swing along with it while the tool hardly moves on: it rubs or gouges, and the block"
         " takes longer than its feed says.",
         remedy="Retract before the turn and come back after it, command the other branch from the start, or tilt the"
         " work so that the tool keeps clear of the axis.",

@@ -85,3 +85,30 @@ def test_a_turn_on_the_spot_is_told() -> None:
 )
 def test_ordinary_moves_are_not_told(lines: str) -> None:
     assert not found(lines, TRUNNION, "GS212")
+
+
+ARM = """gcodesim: 1
+robots: {arm: {model: kuka_kr10_r1100_2}}
+work_offsets: {G54: {in: world, xyz: [800, 0, 900]}}
+orientation: {tool_axis: +X of G54, spin: 0}
+tools: {1: {type: ball_end_mill, diameter: 8, flutes: 2, length: 60}}
+"""
+
+
+@pytest.mark.parametrize(
+    ("beside", "feed", "expected"),
+    [
+        (2, 200, ["GS212"]),  # the wrist is straight 2 mm beside the way
+        (50, 200, []),
+        (2, 6000, ["GS204"]),  # too slow for that turn: one fault, one finding
+    ],
+)
+def test_a_wrist_that_flips_in_a_feed_is_told(beside: float, feed: float, expected: list[str]) -> None:
+    job = job_of(f"T1 M6\nG43 H1\nG0 X0 Y-{beside} Z-80\nG1 Z80 F{feed}\n", ARM)
+    told = [finding for finding in job.findings if finding.code in ("GS204", "GS212")]
+    assert [finding.code for finding in told] == expected
+    assert all(finding.span.line == 5 and finding.time is not None for finding in told)
+
+
+def test_a_wrist_that_flips_in_a_rapid_is_not_told() -> None:
+    assert not [f for f in job_of("T1 M6\nG43 H1\nG0 X0 Y-2 Z-80\nG0 Z80\n", ARM).findings if f.code == "GS212"]
