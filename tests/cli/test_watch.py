@@ -73,6 +73,37 @@ def test_results_are_no_inputs(cli, tmp_path, write):
     assert acts([task], [lambda: (out / "cell.yaml").write_text("x: 1\n"), None]) == ["suite"]
 
 
+def test_a_case_that_is_new_is_tested_and_a_folder_may_go_and_come(cli, tmp_path):
+    suite = tmp_path / "suite"
+    suite.mkdir()
+    (suite / "a.nc").write_text("M2\n")
+    given = tasks(suite)
+
+    assert acts(given, [lambda: (suite / "b.nc").write_text("M2\n"), None]) == ["suite", "suite"]
+
+    gone = tmp_path / "elsewhere"
+    strokes = [lambda: suite.rename(gone), None, None, lambda: gone.rename(suite), None, None]
+    assert acts(given, strokes) == ["suite"] * 3
+
+
+def test_a_subprogram_that_comes_or_goes(cli, write, tmp_path):
+    sub = tmp_path / "sub.ngc"
+    (task,) = tasks(write("one.nc", "o<sub> call\nM2\n"))
+
+    assert acts([task], [lambda: sub.write_text("M2\n"), None, sub.unlink, None, None, None]) == ["one.nc"] * 3
+
+
+def test_an_editor_that_saves_by_rename(cli, write, tmp_path):
+    one, new = write("one.nc", "G0 X1\nM2\n"), tmp_path / "one.nc~"
+
+    def save():
+        one.rename(tmp_path / "one.bak")
+        new.write_text("G0 X2\nM2\n")
+
+    strokes = [save, lambda: new.rename(one), None, None]
+    assert acts(tasks(one), strokes) == ["one.nc", "one.nc"]
+
+
 def test_options_go_on(cli, tmp_path):
     (task,) = tasks("slot.nc", "--cell", "cell.yaml", "--do", "run", "--with=--only shape")
 

@@ -7,7 +7,7 @@ import shlex
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from contextlib import suppress
 from pathlib import Path
 from typing import Any, Final
@@ -82,11 +82,12 @@ class WatchedPath:
 
     def __init__(self, path: Path, arguments: argparse.Namespace) -> None:
         self.path, self._arguments = path, arguments
+        self._is_folder = path.is_dir()  # also while it is gone
         self.does = arguments.do or self._usual()
         self.files = WatchedFiles(self.inputs())
 
     def _usual(self) -> str:
-        if self.path.is_dir():
+        if self._is_folder:
             return "test"
         return "check" if self._arguments.cell is not None or self.path.suffix in _JOBS else "lint"
 
@@ -102,37 +103,54 @@ class WatchedPath:
         words += ["--allow-code"] if given.allow_code else []
         return [*words, *(["--changed"] if self.does == "test" else []), *given.more]
 
+    def changed(self) -> list[Path]:
+        """What has changed since the last look; files that have come count."""
+        self.files.join(self._listed())
+        return self.files.changed()
+
     def inputs(self) -> Iterator[Path]:
         """The path itself, its cell and the files that they name; of folders and job files all that may be an input."""
         yield self.path
-        if self.path.is_dir() or self.path.suffix in _JOBS:
-            yield from _inputs_in(self.path if self.path.is_dir() else self.path.parent)
-            return
-        yield from self._read()
+        yield from self._listed()
+        given = self._arguments
+        if given.cell is not None and not self._is_many:
+            from gcodesim.cell import load_cell
 
-    def _read(self) -> Iterable[Path]:
-        from gcodesim.cell import load_cell
+            yield given.cell
+            with suppress(OSError):  # an editor may be writing it
+                yield from (file.path for file in load_cell(given.cell, given.allow_path).files)
+
+    @property
+    def _is_many(self) -> bool:
+        return self._is_folder or self.path.suffix in _JOBS
+
+    def _listed(self) -> Iterator[Path]:
+        """What lies beside a program, or in a folder."""
         from gcodesim.regress.programs import PROGRAMS
 
-        given = self._arguments
-        beside = [one for one in self.path.parent.iterdir() if one.suffix.lower() in PROGRAMS and one.is_file()]
-        if given.cell is None:
-            return beside
-        with suppress(OSError):  # an editor may be writing it
-            beside += [file.path for file in load_cell(given.cell, given.allow_path).files]
-        return [given.cell, *beside]
+        if self._is_many:
+            yield from _inputs_in(self.path if self._is_folder else self.path.parent)
+        else:
+            yield from (one for one in _in(self.path.parent) if one.suffix.lower() in PROGRAMS and one.is_file())
 
 
 def _inputs_in(folder: Path) -> Iterator[Path]:
     from gcodesim.regress.programs import PROGRAMS
 
-    for path in sorted(folder.iterdir()):
+    for path in _in(folder):
         if path.name.startswith(".") or path.is_symlink():
             continue
         if path.is_dir() and not (path / _RESULTS).is_file():
             yield from _inputs_in(path)
         elif path.suffix.lower() in _INPUTS or path.suffix.lower() in PROGRAMS:
             yield path
+
+
+def _in(folder: Path) -> list[Path]:
+    """What a folder holds; nothing where it is gone, or may not be read."""
+    with suppress(OSError):
+        return sorted(folder.iterdir())
+    return []
 
 
 def watch(tasks: list[WatchedPath], wait: Callable[[], None], act: Callable[[WatchedPath], None] | None = None) -> None:
@@ -157,7 +175,7 @@ def _changes(tasks: list[WatchedPath], wait: Callable[[], None]) -> dict[int, li
     found: dict[int, set[Path]] = {}
     while True:
         wait()
-        fresh = {number: changed for number, task in enumerate(tasks) if (changed := task.files.changed())}
+        fresh = {number: changed for number, task in enumerate(tasks) if (changed := task.changed())}
         for number, changed in fresh.items():
             found.setdefault(number, set()).update(changed)
         if found and not fresh:

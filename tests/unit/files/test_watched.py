@@ -41,6 +41,36 @@ def test_a_file_that_is_written_anew(tmp_path):
     assert watched.changed() == [one]
 
 
+def test_a_file_that_goes_has_changed_once(tmp_path):
+    one = tmp_path / "one"
+    one.write_text("1")
+    watched = WatchedFiles([one])
+    one.unlink()
+    assert [watched.changed() for _ in range(4)] == [[], [one], [], []]
+    one.write_text("1")
+    assert watched.changed() == [one]
+
+
+def test_a_file_that_another_one_replaces_under_its_name(tmp_path):
+    """As editors save: a new file beside it, which then takes its name."""
+    one, new = tmp_path / "one", tmp_path / "one.tmp"
+    one.write_text("1")
+    watched = WatchedFiles([one])
+    new.write_text("22")
+    new.replace(one)
+    assert watched.changed() == [one]
+    assert watched.changed() == []
+
+
+def test_files_that_join_have_changed(tmp_path):
+    one, two = tmp_path / "one", tmp_path / "two"
+    one.write_text("1")
+    watched = WatchedFiles([one])
+    two.write_text("2")
+    watched.join([one, two])
+    assert watched.changed() == [two]
+
+
 def test_files_that_are_watched_on_keep_their_states(tmp_path):
     one, two = tmp_path / "one", tmp_path / "two"
     one.write_text("1")
