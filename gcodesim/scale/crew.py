@@ -65,7 +65,11 @@ def local_crew(jobs: int, tell: Callable[[str], None] = print) -> Iterator[Crew]
 
     _be_quiet()
     secret = Security.temporary()
-    settings = {"distributed.scheduler.worker-saturation": float(_AHEAD), "distributed.admin.log-length": 0}
+    settings = {
+        "distributed.scheduler.worker-saturation": float(_AHEAD),
+        "distributed.admin.log-length": 0,
+        "distributed.scheduler.http.routes": [],  # nobody is told of the tasks without TLS
+    }
     with ExitStack() as stack:
         stack.enter_context(dask.config.set(settings))
         with interrupts_wait():  # threads and processes that begin here leave a Ctrl-C to us, also those begun later
@@ -77,7 +81,7 @@ def local_crew(jobs: int, tell: Callable[[str], None] = print) -> Iterator[Crew]
                     host="127.0.0.1",
                     protocol="tls://",
                     security=secret,
-                    dashboard_address=None,
+                    scheduler_kwargs={"dashboard": False, "dashboard_address": "127.0.0.1:0"},  # else all want one port
                     worker_dashboard_address=None,
                     silence_logs=logging.CRITICAL,
                 )
