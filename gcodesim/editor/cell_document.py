@@ -83,10 +83,10 @@ class CellDocument:
         root = compose(self.source, Findings())
         names = [name for name, _ in root.entries] if isinstance(root, Mapping) else []
         places = [range_of(name.span, self.source) for name in names]
-        ends = [*(place.line - 1 for place in places[1:]), len(self.source.lines) - 1]
+        last = len(self.source.lines) - 1
         found = []
-        for name, place, last in zip(names, places, ends, strict=True):
-            end = max(last, place.line)
+        for number, (name, place) in enumerate(zip(names, places, strict=True), start=1):
+            end = max(places[number].line - 1 if number < len(places) else last, place.line)
             whole = TextRange(place.line, place.column, end, len(self.source.line(end + 1)))
             found.append((name.text, place, whole))
         return found

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import asyncio
+import logging
 from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any, Final
 
 from lsprotocol import types as lsp
 from pygls import uris
+from pygls.exceptions import JsonRpcInvalidParams
 from pygls.lsp.server import LanguageServer
 
 from gcodesim.diagnostics import Diagnostic, Severity, SourceText
@@ -47,6 +49,16 @@ _PARTS: Final = {
 }
 _CELLS: Final = (".yaml", ".yml")
 Document = ProgramDocument | CellDocument
+
+
+class RefusedError(JsonRpcInvalidParams):
+    """What was asked cannot be done; the editor shows the text."""
+
+
+def _is_a_fault(record: logging.LogRecord) -> bool:
+    """Whether a record is about more than an answer that says no. Editors need not read what is logged, and a server
+    whose log nobody reads would wait for that some day."""
+    return record.exc_info is None or not isinstance(record.exc_info[1], RefusedError)
 
 
 class Server(LanguageServer):
@@ -163,6 +175,8 @@ def _edit(uri: str, changes: Iterable[tuple[TextRange, str]], source: SourceText
 
 def serve(choices: Choices) -> Server:
     """A server, not yet connected to anybody; `start_io` connects it with standard input and output."""
+    logging.getLogger("pygls").setLevel(logging.ERROR)  # a method that a client has and we do not is no news
+    logging.getLogger("pygls.protocol.json_rpc").addFilter(_is_a_fault)
     server = Server(choices)
     for register in (_documents, _reading, _writing):
         register(server)
@@ -218,7 +232,10 @@ def _reading(server: Server) -> None:
             return None
         if found.path == document.path:
             return lsp.Location(uri=uri, range=_lsp_range(found.range, document.source))
-        source = SourceText.read(found.path)
+        try:
+            source = SourceText.read(found.path)
+        except OSError:  # it has gone since it was found
+            return None
         return lsp.Location(uri=uris.from_fs_path(str(found.path)) or "", range=_lsp_range(found.range, source))
 
     @server.feature(lsp.TEXT_DOCUMENT_REFERENCES)
@@ -304,7 +321,7 @@ def _writing(server: Server) -> None:
         try:
             changes = parameters.renamed(document, *ls.place(uri, params.position), params.new_name)
         except parameters.CannotRenameError as error:
-            _refuse(str(error))
+            raise RefusedError(str(error)) from None
         return _edit(uri, changes, document.source)
 
     @server.feature(lsp.TEXT_DOCUMENT_PREPARE_RENAME)
@@ -339,27 +356,19 @@ def _writing(server: Server) -> None:
         return found
 
     @server.feature(lsp.TEXT_DOCUMENT_FORMATTING)
-    def written(ls: Server, params: lsp.DocumentFormattingParams) -> list[lsp.TextEdit]:
+    async def written(ls: Server, params: lsp.DocumentFormattingParams) -> list[lsp.TextEdit]:
         document = ls.program(params.text_document.uri)
         if document is None or document.reading is None:
             return []
-        try:
-            new = formatted(document.source, document.reading.settings, Style()).program
+        source, settings = document.source, document.reading.settings
+        try:  # beside the answers to other questions, since it reads the whole program twice
+            new = (await asyncio.to_thread(formatted, source, settings, Style())).program
         except CannotFormatError:
             return []  # the errors are shown anyway
-        lines = document.source.lines
-        place = TextRange(0, 0, len(lines), 0)
-        return (
-            []
-            if new.raw == document.source.raw
-            else [lsp.TextEdit(range=_lsp_range(place, document.source), new_text=new.text)]
-        )
-
-
-def _refuse(why: str) -> None:
-    from pygls.exceptions import JsonRpcInvalidParams
-
-    raise JsonRpcInvalidParams(why)
+        if new.raw == source.raw or document.source is not source:  # somebody has typed on
+            return []
+        place = TextRange(0, 0, len(source.lines), 0)
+        return [lsp.TextEdit(range=_lsp_range(place, source), new_text=new.text)]
 
 
 def choices_of(options: Any, given: Choices, root_uri: str | None) -> Choices:

@@ -5,6 +5,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent))
 
+import pytest
 from documents import CELL, at
 
 from gcodesim.cell import load_cell
@@ -58,3 +59,8 @@ def test_parts(tmp_path):
     assert [name for name, _, _ in parts] == ["gcodesim", "machine", "stock", "tools"]
     assert parts[3][2].line == 3
     assert parts[3][2].end_line >= 5
+
+
+@pytest.mark.parametrize("text", ["", "[1", "\t- a: [\x00\n", "a:\n\tb: 1\n", "tools: {1: {type: fl\n", "- a\n"])
+def test_a_cell_that_cannot_be_read_has_no_parts(tmp_path, text):
+    assert [name for name, *_ in cell(tmp_path, text).parts()] in ([], ["tools"])

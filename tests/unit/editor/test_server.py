@@ -4,7 +4,9 @@ import asyncio
 import sys
 from pathlib import Path
 
+import pytest
 from lsprotocol import types as lsp
+from pygls.exceptions import JsonRpcException
 from pygls.lsp.client import LanguageClient
 
 sys.path.insert(0, str(Path(__file__).parent))
@@ -71,6 +73,7 @@ def conversation(talk, folder, **options):
         await asyncio.wait_for(client.shutdown_async(None), LONGEST)
         client.exit(None)
         assert await asyncio.wait_for(client._server.wait(), LONGEST) == 0
+        assert await asyncio.wait_for(client._server.stderr.read(), LONGEST) == b""  # nobody may read that
         await client.stop()
 
     asyncio.run(whole())
@@ -98,6 +101,8 @@ def test_an_editor_asks_everything(tmp_path):
         assert len(uses) == 3
         edit = await ask.text_document_rename_async(lsp.RenameParams(**editor.at("#100=5"), new_name="105"))
         assert {one.new_text for one in edit.changes[editor.uri]} == {"105"}
+        with pytest.raises(JsonRpcException, match="no parameter here"):
+            await ask.text_document_rename_async(lsp.RenameParams(**editor.at("T1 M6"), new_name="105"))
         may = await ask.text_document_prepare_rename_async(lsp.PrepareRenameParams(**editor.at("#100=5")))
         assert (may.start.character, may.end.character) == (1, 4)
         styled = await ask.text_document_formatting_async(
@@ -118,6 +123,20 @@ def test_an_editor_asks_everything(tmp_path):
         shown = await editor.findings()
         # the letter stands behind a character of two UTF-16 units
         assert [one.range.start.character for one in shown if one.code == "GS004"] == [len("G0 X1 (xx) ")]
+
+    conversation(talk, tmp_path)
+
+
+def test_questions_are_answered_while_a_long_program_is_formatted(tmp_path):
+    async def talk(editor):
+        editor.open(tmp_path / "long.nc", "G21 G90\n" + "g1 x1 f100\n" * 4000 + "M2\n")
+        await editor.findings()
+        style = lsp.DocumentFormattingParams(editor.document, lsp.FormattingOptions(2, True))
+        writing = asyncio.ensure_future(asyncio.wrap_future(editor.client.text_document_formatting(style)))
+        hover = await editor.client.text_document_hover_async(lsp.HoverParams(**editor.at("g1")))
+        assert hover is not None and not writing.done()
+        (edit,) = await writing
+        assert edit.new_text.startswith("G21 G90\nG1 X1 F100\n")
 
     conversation(talk, tmp_path)
 
