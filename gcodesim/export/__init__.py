@@ -20,6 +20,7 @@ EXPORTERS = Family(
     npz="gcodesim.export.heights:HeightNumbers",
     rosbag2="gcodesim.export.rosbag:RosBag",
     usd="gcodesim.export.usd:Usd",
+    usdc="gcodesim.export.usd:PackedUsd",
     **_NOT_WORDS,
 )
 

@@ -10,6 +10,7 @@ from pxr import Usd, UsdGeom
 
 from gcodesim.export.exporter import Request
 from gcodesim.export.select import TimeRange
+from gcodesim.export.usd import PackedUsd
 from gcodesim.export.usd import Usd as UsdExporter
 from gcodesim.playback import Recording
 
@@ -80,3 +81,16 @@ def test_tools_are_seen_while_they_are_in_the_spindle(stage, slot):
             }
         )
     assert len({frozenset(names) for names in shown}) == len(shown)
+
+
+def test_the_binary_form_is_the_same_stage(stage, slot_folder, tmp_path):
+    def packed():
+        out = io.BytesIO()
+        PackedUsd().write(Recording.open(slot_folder), out, Request(part=TimeRange(period_ns=100_000_000)))
+        return out.getvalue()
+
+    first = packed()
+    assert first.startswith(b"PXR-USDC") and packed() == first
+    (tmp_path / "slot.usdc").write_bytes(first)
+    again = Usd.Stage.Open(str(tmp_path / "slot.usdc"))
+    assert again.GetRootLayer().ExportToString() == stage.GetRootLayer().ExportToString()
