@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from gcodesim.diagnostics import Span
 from gcodesim.frozen import frozen
-from gcodesim.jobs.meetings import is_wait
+from gcodesim.jobs.meetings import is_mark
 from gcodesim.post.moves import RobotAwait, RobotHalt, RobotStep, RobotSwitch
 
 if TYPE_CHECKING:
@@ -80,7 +80,7 @@ def meetings_of(job: Job, jobs: Sequence[Job], lines: Mapping[str, MeetingLines]
     for each in jobs:
         assert each.plan is not None
         for timed in each.plan.path.events:
-            if is_wait(timed.event):
+            if is_mark(timed.event):
                 known = partners.setdefault(timed.event.verb, [])  # type: ignore[attr-defined]
                 if each.channel not in known:
                     known.append(each.channel)

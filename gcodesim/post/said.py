@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Final
 
 from gcodesim import canon
 from gcodesim.diagnostics import Diagnostic, Severity, Span
-from gcodesim.jobs.meetings import is_wait
+from gcodesim.jobs.meetings import is_mark
 from gcodesim.post.moves import Remark, RobotCall, RobotHalt, RobotStep, RobotSwitch, RobotWait
 from gcodesim.units import RPM
 
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 _STATES: Final = (
     canon.ToolSelect, canon.ToolOffset, canon.WorkSystem, canon.PathMode, canon.PlannerLimits, canon.PointControl,
     canon.Override, canon.SectionStart, canon.End, canon.EndOfFile, canon.OptionalStop, canon.PalletShuttle,
+    canon.ToolAwaited, canon.ToolReturned,  # of tools that several use: the stop at a tool change, or its program, does
 )  # fmt: skip
 _OUTPUTS: Final = {62: (1.0, True), 63: (0.0, True), 64: (1.0, False), 65: (0.0, False)}
 SIGNALS: Final = ("spindle", "reverse", "speed", "flood", "mist")
@@ -66,7 +67,7 @@ class Said:
 
     def _action(self, event: canon.Action) -> Iterator[RobotStep]:
         """An M-code of the cell; where that is an output of the program, by its number."""
-        if is_wait(event) and event.verb in self._meetings.partners and f"M{event.m}" not in self._signals:
+        if is_mark(event) and event.verb in self._meetings.partners and f"M{event.m}" not in self._signals:
             if missing := self._meetings.unwired(event.verb):
                 self._not_said(
                     event.span,
