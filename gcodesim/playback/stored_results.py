@@ -38,6 +38,8 @@ _ENTRIES: Final[Mapping[str, Mapping[str, tuple[type, ...]]]] = {
     "operations": {"name": _TEXT, **dict.fromkeys(_OF_OPERATIONS, _NUMBER)},
 }
 _WITH_UNIT: Final = re.compile(r".*_(?:s|mm[23]?|mm_min|um|deg|N|Nm|W|J|J_m2?)")
+_LISTED: Final = ("_mm", "inertia_kg_mm2")
+"""How names of quantities end that are lists: places, outlines, tensors."""
 _MOST: Final = 1e15
 """No quantity of a run is as large as this in its unit."""
 _SEVERITIES: Final = ("note", "warning", "error")
@@ -88,7 +90,7 @@ def _check_quantities(value: Any, key: str = "") -> None:
         for name, inner in value.items():
             _check_quantities(inner, name)
     elif isinstance(value, list):
-        no_list = bool(_WITH_UNIT.fullmatch(key)) and not key.endswith("_mm")  # places and outlines are lists
+        no_list = bool(_WITH_UNIT.fullmatch(key)) and not key.endswith(_LISTED)
         for inner in value:
             if inner is None or no_list:
                 raise NoResultsError(f"an entry of `{key}` is none")

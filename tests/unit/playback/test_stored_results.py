@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -44,6 +45,11 @@ def edited(path: str, value: Any) -> bytes:
 
 def test_results_of_a_run_are_taken_as_they_are() -> None:
     assert results_from(json.dumps(results()).encode()) == results()
+
+
+def test_what_a_run_writes_is_taken(slot_folder: Path) -> None:
+    data = (slot_folder / "results.json").read_bytes()
+    assert results_from(data) == json.loads(data)
 
 
 @pytest.mark.parametrize(
