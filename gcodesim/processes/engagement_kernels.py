@@ -74,23 +74,24 @@ NOWHERE = -1  # there is no contact
 class Room(NamedTuple):
     """Room to work in, made once for each cutter.
 
-    rows (n, COLUMNS) of the edge; of each the share of it that is in material, weights (n, ANGLES), and the
-    force (4, n, ANGLES) on one tooth along u, l, z [N] and its torque [N·m], within FROM..TO; sums (SUMS, ANGLES)
+    rows (n, COLUMNS) of the edge; of each the share of it that is in material, weights (n, ANGLES); sums (SUMS, ANGLES)
     over rows; unit (4, ANGLES): force per width along u, l, z and the cut; line, share and places (ANGLES,): what is
-    asked of the stock; turning (4, 3 ANGLES + 1): force and torque of one tooth over its angle at the tip, twice, then
-    those of all teeth; seams.
+    asked of the stock; seams; for peaks, see `peak_kernels`: stretches (m, STRETCHES), borders (2, BORDERS), gaps
+    (GAPS, GAP) and load (4,).
     """
 
     rows: Array
     weights: Array
-    force: Array
     sums: Array
     unit: Array
     line: Array
     share: Array
     places: Places
-    turning: Array
     seams: Seams
+    stretches: Array
+    borders: Array
+    gaps: Array
+    load: Array
 
 
 @kernel(lean=True)

@@ -1,4 +1,4 @@
-"""Force on an upright cutter that stands in material, averaged over a revolution and at its worst angle.
+"""Force on an upright cutter that stands in material, averaged over a revolution.
 
 Frame K and the rows of the edge as in `engagement_kernels`. On an element of edge of width b with chip thickness
 h = c (v . n): dF = -dFt t - dFr n - dFa e, with t along the cutting velocity, n the outward normal of the edge, e along
@@ -197,29 +197,18 @@ def steep_forces(
         unit_turn[k] = tangential
 
 
-class ToothForce(NamedTuple):
-    """Force of one row on one tooth (ANGLES,) along u, l, z [N], and its torque [N·m]."""
-
-    u: Array
-    l: Array  # noqa: E741 - its name in frame K
-    z: Array
-    turn: Array
-
-
 @kernel(lean=True)
-def add_row(row: Array, unit: Array, weights: Array, force: ToothForce, sums: Array) -> None:
-    """Force of one row on one tooth, and its part in `sums`.
+def add_row(row: Array, unit: Array, weights: Array, sums: Array) -> None:
+    """Add the force of one row on one tooth to `sums`.
 
-    Only angles FROM..TO of the row are written; the others carry no force.
-
-    Sums over rows are kept separately for each angle, so this loop has no dependence between its iterations.
+    Only angles FROM..TO of the row carry any. Sums over rows are kept separately for each angle, so this loop has no
+    dependence between its iterations.
     """
     r, z, width, begin, end = row[RADIUS], row[HEIGHT], row[EDGE_WIDTH], int(row[FROM]), int(row[TO])
     # slices, because an index of which the compiler cannot see that it is not negative keeps it to one angle at a time
     share = weights[begin:end]
     unit_u, unit_l = unit[UNIT_U, begin:end], unit[UNIT_L, begin:end]
     unit_z, unit_turn = unit[UNIT_Z, begin:end], unit[UNIT_TURN, begin:end]
-    f_u, f_l, f_z, turn = force.u[begin:end], force.l[begin:end], force.z[begin:end], force.turn[begin:end]
     all_u, all_l, all_z = sums[F_U, begin:end], sums[F_L, begin:end], sums[F_Z, begin:end]
     tilt_u, tilt_l, lift = sums[TILT_U, begin:end], sums[TILT_L, begin:end], sums[LIFT, begin:end]
     torque, contact = sums[TURN, begin:end], sums[SHARES, begin:end]
@@ -228,7 +217,6 @@ def add_row(row: Array, unit: Array, weights: Array, force: ToothForce, sums: Ar
         b = share[k] * width
         a_u, a_l, a_z = b * unit_u[k], b * unit_l[k], b * unit_z[k]
         a_t = r * (b * unit_turn[k])
-        f_u[k], f_l[k], f_z[k], turn[k] = a_u, a_l, a_z, a_t
         all_u[k] += a_u
         all_l[k] += a_l
         all_z[k] += a_z
@@ -340,8 +328,7 @@ def add_cylinder(law: ForceLaw, level: float, scale: Scale, room: Room, first: i
     begin, end = max(int(rows[first, FROM]) - 1, 0), min(int(rows[first, TO]) + 1, half)
     level_forces(law, level, scale, rows[first, SIN_KAPPA], 0.0, begin, end, room.unit)
     for i in range(first, first + number):
-        on_tooth = ToothForce(room.force[0, i], room.force[1, i], room.force[2, i], room.force[3, i])
-        add_row(rows[i], room.unit, room.weights[i], on_tooth, room.sums)
+        add_row(rows[i], room.unit, room.weights[i], room.sums)
     for seam in range(seams):
         limit, drop, lever = numbers[LIMIT, seam], numbers[DROP, seam], numbers[LEVER, seam]
         mend_limit(law, rows[first], room.unit[:, :half], limit, drop, lever, room.sums)
@@ -382,8 +369,7 @@ def add_rows(
             continue
         if not straight:
             last = row_forces(teeth, heading, scale, rows[i], begin, end, room.unit)
-        on_tooth = ToothForce(room.force[0, i], room.force[1, i], room.force[2, i], room.force[3, i])
-        add_row(rows[i], room.unit, room.weights[i], on_tooth, room.sums)
+        add_row(rows[i], room.unit, room.weights[i], room.sums)
         while seam < seams and places[ROW, seam] == i:
             limit, drop, lever = numbers[LIMIT, seam], numbers[DROP, seam], numbers[LEVER, seam]
             mend_limit(teeth.law, rows[i], room.unit[:, :last], limit, drop, lever, room.sums)
@@ -462,52 +448,3 @@ def sum_up(
     result[TORQUE] = share * torque
     if leave > entry:
         result[ENTRY], result[EXIT] = entry, leave
-
-
-@kernel(lean=True)
-def peaks_of(teeth: Teeth, room: Room, used: int) -> tuple[float, float]:
-    """Greatest force [N] and torque [N·m] within a revolution: all teeth and heights at once, each late by its lag.
-
-    Rows lag by z tan(helix) / radius; forces between the angles are interpolated.
-    """
-    rows, force, turning = room.rows, room.force, room.turning
-    delta = 2.0 * np.pi / ANGLES
-    number = int(teeth.number)
-    turning[:] = 0.0
-    for i in range(used):
-        begin, end = int(rows[i, FROM]), int(rows[i, TO])
-        if begin >= end:
-            continue
-        place = (rows[i, HEIGHT] * teeth.lag / teeth.radius / delta) % ANGLES
-        whole = int(place)
-        part = place - whole
-        rest = 1.0 - part
-        for axis in range(4):
-            source, target = force[axis, i][begin:end], turning[axis][whole + begin : whole + end + 1]
-            last = source.shape[0]
-            target[0] += rest * source[0]
-            for k in range(1, last):
-                target[k] = target[k] + rest * source[k] + part * source[k - 1]
-            target[last] += part * source[last - 1]
-    for axis in range(4):  # both halves in one, then the first angles again, for values that turn past the end
-        one, all_teeth = turning[axis, : 2 * ANGLES + 1], turning[axis, 2 * ANGLES + 1 : 3 * ANGLES + 1]
-        for k in range(ANGLES):
-            one[k] += one[ANGLES + k]
-            one[ANGLES + k] = one[k]
-        one[2 * ANGLES] = one[0]
-        for tooth in range(number):
-            place = tooth * ANGLES / number
-            whole = int(place)
-            part = place - whole
-            here, following = one[whole : whole + ANGLES], one[whole + 1 : whole + 1 + ANGLES]
-            for k in range(ANGLES):
-                all_teeth[k] += (1.0 - part) * here[k] + part * following[k]
-    first = 2 * ANGLES + 1
-    f_u, f_l, f_z, turn = turning[0][first:], turning[1][first:], turning[2][first:], turning[3][first:]
-    for k in range(ANGLES):  # apart from the search, whose steps depend on each other
-        f_u[k] = f_u[k] * f_u[k] + f_l[k] * f_l[k] + f_z[k] * f_z[k]
-    greatest, torque = 0.0, 0.0
-    for k in range(ANGLES):
-        greatest = f_u[k] if f_u[k] > greatest else greatest
-        torque = turn[k] if turn[k] > torque else torque
-    return float(np.sqrt(greatest)), float(torque)

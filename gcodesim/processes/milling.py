@@ -322,20 +322,23 @@ class Milling(Process):
         from gcodesim.processes.edge_kernels import ANGLES, COLUMNS, LEAST_PIECES, SLICES
         from gcodesim.processes.engagement_kernels import Room
         from gcodesim.processes.force_kernels import SUMS
+        from gcodesim.processes.peak_kernels import BORDERS, GAP, GAPS, MOST_OF_ROW, STRETCHES
         from gcodesim.processes.seam_kernels import NUMBERS, PLACES, SEAMS, Seams
 
         rows = SLICES * max(LEAST_PIECES, len(self.cutter.edge))
         return Room(
             rows=np.zeros((rows, COLUMNS)),
             weights=np.zeros((rows, ANGLES)),
-            force=np.zeros((4, rows, ANGLES)),
             sums=np.zeros((SUMS, ANGLES)),
             unit=np.zeros((4, ANGLES)),
             line=np.zeros(ANGLES),
             share=np.zeros(ANGLES),
             places=Places(np.zeros(ANGLES), np.zeros(ANGLES), np.zeros(ANGLES)),
-            turning=np.zeros((4, 3 * ANGLES + 1)),
             seams=Seams(np.zeros((PLACES, SEAMS), dtype=np.int64), np.zeros((NUMBERS, SEAMS))),
+            stretches=np.zeros((rows * MOST_OF_ROW, STRETCHES)),
+            borders=np.zeros((2, BORDERS)),
+            gaps=np.zeros((GAPS, GAP)),
+            load=np.zeros(4),
         )
 
 

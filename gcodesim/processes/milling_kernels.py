@@ -45,8 +45,8 @@ from gcodesim.processes.force_kernels import (
     WIDTH,
     Teeth,
     cutting_force,
-    peaks_of,
 )
+from gcodesim.processes.peak_kernels import peaks_of
 from gcodesim.processes.travel_kernels import (
     SAME_WAY,
     Travel,
@@ -274,11 +274,12 @@ def next_relaxation(relaxation: float, residual: Array, earlier: Array) -> float
 @kernel(lean=True, inlined=True)
 def solve_step(
     field: Field, teeth: Teeth, compliance: Array, step: Step, room: Room, trial: Trial, state: State, result: Array
-) -> tuple[int, float]:
+) -> tuple[int, float, float]:
     """Wrench and deflection of one step together; `state` holds the deflection before and after.
 
     The chip is as thick as the tip advances, in the direction in which it travels (`travel_kernels`).
-    Returns the number of rows that are filled for `peaks_of`, and by what their forces have to be multiplied.
+    Returns the number of rows that are filled for `peaks_of`, the feed per tooth [m] that they stand for, and by what
+    forces then have to be multiplied.
     """
     numbers, feed, level, climb, way = state.numbers, state.feed, step.level, step.climb, step.way
     place, delta, residual, earlier, best, best_travel, begin, left, moves = trial
@@ -340,7 +341,7 @@ def solve_step(
     numbers[RELAXATION], numbers[ADVANCE] = relaxation, advance
     for axis in range(3):
         state.delta[axis] = delta[axis]
-    return used, ratio
+    return used, asked * step.chip, ratio
 
 
 @kernel(lean=True, inlined=True)
@@ -429,7 +430,7 @@ def feel(
         state.before[axis] = state.delta[axis]
     before, after, spindle, rapid = way.before, way.after, motion.spindle[k], motion.rapid[k]
     speed, level, climb = point_feed(motion, k, state)
-    used, ratio = 0, 1.0
+    used, ratio, chip = 0, 1.0, 0.0
     turning_in = spindle > 0.0 and not rapid and min(before[2], after[2]) < top
     if speed <= LEAST_SPEED:
         turning_in = turning_in and numbers[CUTTING] > 0.0
@@ -439,7 +440,7 @@ def feel(
     if rigid or level == 0.0 or numbers[CUTTING] == 0.0 or (heading[0] == 0.0 and heading[1] == 0.0):
         heading[0], heading[1] = state.feed[0], state.feed[1]
     if turning_in:
-        chip, length = 0.0, 0.0
+        length = 0.0
         if speed > LEAST_SPEED:
             chip = speed * 2.0 * np.pi / (spindle * tool.teeth.number)
             flat = flat_way(way)
@@ -450,7 +451,7 @@ def feel(
             used = cutting_force(field, tool.teeth, before, fed, chip, top, room, result)
         else:
             step = Step(before, level, climb, chip, length, top)
-            used, ratio = solve_step(field, tool.teeth, motion.compliance[k], step, room, trial, state, result)
+            used, chip, ratio = solve_step(field, tool.teeth, motion.compliance[k], step, room, trial, state, result)
     elif not rapid:
         unbend(state)
     if level == 0.0:  # straight up or down: what follows begins afresh
@@ -464,7 +465,7 @@ def feel(
         ux, uy = state.feed[0], state.feed[1]
         out[FEED_FORCE] = ux * result[0] + uy * result[1]
         out[SIDE_FORCE] = ux * result[1] - uy * result[0]
-        force, torque = peaks_of(tool.teeth, room, used)
+        force, torque = peaks_of(tool.teeth, level, climb, chip, room, used)
         out[PEAK], out[PEAK_TORQUE] = ratio * force, ratio * torque
         out[OUT_TORQUE] = result[TORQUE]
         out[POWER] = result[TORQUE] * spindle
