@@ -40,7 +40,7 @@ def elements(cutter, depth, count=300):
 
 
 def by_sum(cutter, law, depth, wall, slope=0.0, angles=720):
-    """Greatest force and torque in a pitch, `angles` looks at it; material is to the right of `wall` [m] (l <= wall)."""
+    """Greatest force and torque in a pitch, `angles` looks at it; material is where l <= `wall` [m]."""
     r, z, kappa, width = elements(cutter, depth)
     sine, cosine = np.sin(kappa), np.where(np.abs(np.cos(kappa)) < 1e-12, 0.0, np.cos(kappa))
     pitch = 2.0 * math.pi / cutter.flutes
