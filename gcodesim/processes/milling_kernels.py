@@ -86,6 +86,13 @@ COLUMN_CUT = 0.02
 SMALL_BEND = 0.25  # a tool that is bent by more cells than this leans on the material, even where it slides along it
 LEAST_VOLUME = 1.0e-15  # [m³]; less is rounding
 
+# A cut is like another one up to this share of its mean force and torque, its chip, depth and width, and up to so much
+# of the angles at which teeth enter and leave [rad]: then its peaks are in proportion to the means.
+ALIKE_SHARE = 0.005
+ALIKE_ANGLE = 0.01
+# places in `State.peaks`
+MEAN_FORCE, MEAN_TORQUE, FED, AT_DEPTH, AT_WIDTH, AT_ENTRY, AT_EXIT, PEAK_OF_FORCE, PEAK_OF_TORQUE = range(9)
+
 EVALUATIONS = 10  # most samplings of the stock for one step
 CLOSE_RELATIVE = 0.01  # residual, as a share of the deflection, up to which the stock is not sampled again
 CLOSE_ABSOLUTE = 0.2e-6  # [m] the same, absolute
@@ -134,9 +141,10 @@ class State(NamedTuple):
     patch: Array  # (2,) where `tops` were looked at last
     chips: Array  # (6,) wrench of chips, and
     edges: Array  # (7,) of the edges, in the last cut
+    peaks: Array  # (9,) for which contact peaks were looked for last, and what they were: see `greatest_loads`
 
 
-STATE = 39
+STATE = 48
 
 
 def axis_of(values: Array) -> Array:
@@ -191,7 +199,7 @@ def state_of(values: Array) -> State:
     """Views of the numbers (STATE,) that are kept."""
     return State(
         values[0:8], values[8:11], values[11:14], values[14:17], values[17:19], values[19:21], values[21:23],
-        values[23:29], values[29:36],
+        values[23:29], values[29:36], values[39:48],
     )  # fmt: skip
 
 
@@ -418,6 +426,38 @@ def may_feel(field: Field, tool: MillingTool, way: Way, state: State) -> bool:
     return False
 
 
+@kernel(lean=True)
+def is_close(one: float, other: float) -> bool:
+    """Whether two figures of a cut are alike."""
+    return abs(one - other) <= ALIKE_SHARE * abs(other)
+
+
+@kernel(lean=True)
+def greatest_loads(
+    teeth: Teeth, heading: Heading, chip: float, room: Room, used: int, result: Array, peaks: Array
+) -> tuple[float, float]:
+    """Greatest force [N] and torque [N·m] within a revolution.
+
+    They are looked for only where the cut is no longer like the one for which they were found last, which `peaks`
+    remembers; a steady cut goes on for hundreds of steps.
+    """
+    mean = np.sqrt(result[0] * result[0] + result[1] * result[1] + result[2] * result[2])
+    alike = is_close(mean, peaks[MEAN_FORCE]) and is_close(result[TORQUE], peaks[MEAN_TORQUE])
+    alike = alike and is_close(chip, peaks[FED]) and is_close(result[DEPTH], peaks[AT_DEPTH])
+    alike = alike and is_close(result[WIDTH], peaks[AT_WIDTH])
+    alike = alike and abs(result[ENTRY] - peaks[AT_ENTRY]) <= ALIKE_ANGLE
+    alike = alike and abs(result[EXIT] - peaks[AT_EXIT]) <= ALIKE_ANGLE
+    if alike and mean > 0.0 and result[TORQUE] > 0.0:
+        force = peaks[PEAK_OF_FORCE] * mean / peaks[MEAN_FORCE]
+        return float(force), float(peaks[PEAK_OF_TORQUE] * result[TORQUE] / peaks[MEAN_TORQUE])
+    force, torque = peaks_of(teeth, heading.level, heading.climb, chip, room, used)
+    peaks[MEAN_FORCE], peaks[MEAN_TORQUE], peaks[FED] = mean, result[TORQUE], chip
+    peaks[AT_DEPTH], peaks[AT_WIDTH] = result[DEPTH], result[WIDTH]
+    peaks[AT_ENTRY], peaks[AT_EXIT] = result[ENTRY], result[EXIT]
+    peaks[PEAK_OF_FORCE], peaks[PEAK_OF_TORQUE] = force, torque
+    return force, torque
+
+
 @kernel(lean=True, inlined=True)
 def feel(
     field: Field, tool: MillingTool, motion: Motion, k: int, way: Way, top: float, bench: Bench, state: State,
@@ -465,7 +505,8 @@ def feel(
         ux, uy = state.feed[0], state.feed[1]
         out[FEED_FORCE] = ux * result[0] + uy * result[1]
         out[SIDE_FORCE] = ux * result[1] - uy * result[0]
-        force, torque = peaks_of(tool.teeth, level, climb, chip, room, used)
+        way_cut = Heading(ux, uy, level, climb)
+        force, torque = greatest_loads(tool.teeth, way_cut, chip, room, used, result, state.peaks)
         out[PEAK], out[PEAK_TORQUE] = ratio * force, ratio * torque
         out[OUT_TORQUE] = result[TORQUE]
         out[POWER] = result[TORQUE] * spindle
