@@ -15,8 +15,10 @@ from gcodesim.checks.pairs import keep_apart, pairs_by_kind, role_of_part
 from gcodesim.checks.rigid import RigidBody
 from gcodesim.frames import WORLD, Array, Pose
 from gcodesim.kinematics.chain import BASE, FLANGE, Tree
+from gcodesim.processes import PROCESSES
 from gcodesim.scene import WORK, Mover, Role, Scene
 from gcodesim.solids import Mesh, Placed
+from gcodesim.tools.parts import body_part
 
 if TYPE_CHECKING:
     from gcodesim.tools.tool import Tool
@@ -29,13 +31,14 @@ class CarriedBody:
     """A rigid body of a cell: its `role`, and the `part` of a tool that it is.
 
     `any_shape`: the part is no body of revolution, so what it does to fixtures and stock is looked for here, too, as
-    of a link; `clearance` sees round ones.
+    of a link; `clearance` sees round ones. `works`: it touches the work by design.
     """
 
     rigid: RigidBody
     role: Role
     part: str = ""
     any_shape: bool = False
+    works: bool = False
 
     @property
     def carrier(self) -> int:
@@ -74,6 +77,7 @@ class MachineBodies:
                 role=role_of_part(part),
                 part=part,
                 any_shape=any_shape,
+                works=_works(tool, part),
             )
             for (part, any_shape), solids in parts.items()
         ]
@@ -126,9 +130,19 @@ def may_meet_by_motion(one: CarriedBody, other: CarriedBody, tree: Tree) -> bool
     roles: list[Role] = ["link" if body.any_shape else body.role for body in (one, other)]
     if one.carrier == other.carrier or not keep_apart(roles[0], roles[1]):
         return False
+    if "stock" in roles and (one.works or other.works):
+        return False
     both_links = one.role == other.role == "link"
     neighbours = _parent(tree, one.carrier) == other.carrier or _parent(tree, other.carrier) == one.carrier
     return not (both_links and neighbours)
+
+
+def _works(tool: Tool, part: str) -> bool:
+    """Whether a part touches the work: by its kind, as the tip, or as part of a tool without one that lays material."""
+    if body_part(part).acts or tool.body is None:
+        return body_part(part).acts
+    lays = any(PROCESSES[kind].lays for kind in tool.processes)
+    return lays if tool.body.tip is None else part == tool.body.tip
 
 
 def _parent(tree: Tree, joint: int) -> int | None:

@@ -70,7 +70,8 @@ CODES: tuple[Code, ...] = (
         code="GS307",
         severity=Severity.ERROR,
         title="Link hits the stock",
-        what="A link, or a fixture that the machine carries, such as the head of its spindle, enters a stock. A run"
+        what="A link, a fixture that the machine carries, such as the head of its spindle, or the `body` of a tool"
+        " but for what touches the work by design (its `tip`) enters a stock. A run"
         " looks at the stock as it stands by then, to half a cell; the depth is that in the deepest of its columns."
         " `check`, which cuts nothing, knows only the shape at the start: there it is a warning." + _MOVING,
         why="The link pushes against the part, which moves or breaks.",
