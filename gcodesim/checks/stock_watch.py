@@ -120,7 +120,6 @@ class _Pairs:
         held = checks.tools.get(tool)
         moved = [body for body in machine.bodies if body.role != "stock"]
         moved += [part for part in (machine.of_tool(held) if held is not None else ()) if part.any_shape]
-        tip = None if held is None or held.body is None else held.body.tip
         met = [
             (body, stock)
             for stock in stocks
@@ -128,7 +127,6 @@ class _Pairs:
             if may_meet_by_motion(body, stock.body, machine.tree)
             and frozenset((body.rigid.name, stock.name)) not in checks.apart
             and len(body.rigid.convexes.first)
-            and not (stock.grows and body.any_shape and body.part == tip)  # a nozzle or wire touches what it lays
         ]
         if not met:
             return None
