@@ -27,7 +27,8 @@ def told_once(planned: Iterable[Diagnostic], checked: Iterable[Diagnostic]) -> I
     for finding in checked:
         if blocked is not None and finding.code in _HITS:
             hint = f"{blocked.message}; {blocked.hint}"
-            yield replace(finding, hint=hint, related=blocked.span, severity=blocked.level)
+            elsewhere = None if blocked.span == finding.span else blocked.span
+            yield replace(finding, hint=hint, related=elsewhere, severity=blocked.level)
             blocked = None
         else:
             yield finding

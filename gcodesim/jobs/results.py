@@ -118,13 +118,15 @@ class BodyResult:
         return None if self.density is None else self.density * self.volume
 
     def as_json(self) -> dict[str, Any]:
-        mass, inertia = self.mass, self.inertia.tolist()
+        mass = self.mass
+        rows = self.inertia.tolist()
+        inertia = None if mass is None else [[rounded(v * mass / (MM * MM)) for v in row] for row in rows]
         return {
             "density_kg_m3": None if self.density is None else rounded(self.density),
             "density_of": self.pure,
             "mass_kg": None if mass is None else rounded(mass),
             "center_mm": [rounded(value / MM) for value in self.center.tolist()],
-            "inertia_kg_mm2": None if mass is None else [[rounded(v * mass / MM**2) for v in row] for row in inertia],
+            "inertia_kg_mm2": inertia,
         }
 
 

@@ -87,7 +87,7 @@ class Parting:
         beside = BESIDE * stock.cell
         within = np.zeros(field.dirty.shape, dtype=np.uint8)
         mark_patches(field.grid, ways._replace(low=ways.low - beside, high=ways.high + beside), within)
-        patch = np.argwhere(within).astype(np.int64)
+        patch = np.ascontiguousarray(np.argwhere(within), dtype=np.int64)
         m, k = len(patch), field.columns.lo.shape[2]
         blocks = PatchCopies(
             patch=patch,

@@ -117,7 +117,7 @@ class Loads:
                 unit = np.tile(np.eye(3, 6), (int(here.sum()), 1))
                 at = np.repeat(q[here], 3, axis=0)
                 each = inverse_dynamics(self.chain, at, 0.0, 0.0, None, unit, p_FT=push.X_FT.p, gravity=np.zeros(3))
-                out[here] += push.force * np.sqrt((each.reshape(-1, 3, q.shape[1]) ** 2).sum(axis=1))
+                out[here] += push.force * np.sqrt(np.square(each.reshape(-1, 3, q.shape[1])).sum(axis=1))
         return out
 
     def _wrench(self, push: TipPush, q: Array) -> Array:

@@ -36,6 +36,7 @@ def test_run_prints_the_results_file(cli, tmp_path: Path) -> None:
     assert list(value["inputs"]) == ["gcodesim", "seed", "world", "program", "cell", "files"]
     assert list(value["stocks"]["stock"]) == [
         "material", "initial_mm3", "removed_mm3", "deposited_mm3", "remaining_mm3", "resolution_mm", "error_bound_mm3",
+        "body",
     ]  # fmt: skip
     time = value["time"]
     assert math.isclose(

@@ -112,7 +112,8 @@ def test_columns_are_declared_finite_and_as_long_as_the_window(maker):
     found = process.run(room(), window(-2e-3), process.begin())
 
     assert found.wrench.shape == (50, 6) and found.deflection.shape == (50, 3)
-    declared = {column.name: column for column in process.writes}
+    tool, kind = maker
+    declared = {column.name: column for column in PROCESSES[kind].columns_of(tool)}
     assert set(found.columns) <= set(declared)
     for name, column in found.columns.items():
         assert column.shape == (50,), name

@@ -17,14 +17,17 @@ import pytest
 import gcodesim
 from gcodesim import compiled
 from gcodesim.canon import ArcFeed, Event, LinearFeed, PathMode, Rapid
+from gcodesim.checks.rigid import RigidBody, Woods
 from gcodesim.compiled import Kernel, kernel
 from gcodesim.diagnostics import SourceText, Span
+from gcodesim.frames import Pose
 from gcodesim.motion import build_tool_path
 from gcodesim.motion.blend import blend
 from gcodesim.motion.pieces import AxisLimits
 from gcodesim.motion.printer_law import as_printed, without_blending
 from gcodesim.motion.timing import time_law
 from gcodesim.rs274 import Settings, interpret
+from gcodesim.solids import Placed, Sphere
 
 HERE = Span("t", 1, 1, 1, 2)
 LIMITS = AxisLimits(
@@ -44,7 +47,7 @@ def doubled(values: np.ndarray[Any, Any], out: np.ndarray[Any, Any]) -> None:
 
 
 def short_kernels() -> dict[str, Kernel]:
-    """All kernels of motion that may be interpreted, by name; those of arithmetic have tests of their own."""
+    """All kernels that may be interpreted, by name; those of arithmetic have tests of their own."""
     root = Path(gcodesim.__file__).parent
     modules = [
         import_module(".".join(("gcodesim", *path.relative_to(root).with_suffix("").parts)))
@@ -112,6 +115,10 @@ def test_short_calls_have_the_bits_of_the_compiled_kernel(monkeypatch: pytest.Mo
     source = SourceText.read(Path(__file__).parents[2] / "data" / "programs" / "posts" / "marlin_slicer.nc")
     printed = build_tool_path(list(interpret(source, Settings(dialect="marlin"))), (0.0,) * 6)
     assert time_law(as_printed(blend(without_blending(printed), LIMITS))).duration > 0.0
+    for solids in (1, 9, 40):
+        places = [Pose.from_xyz_rpy(xyz.tolist()) for xyz in random.uniform(-1.0, 1.0, (solids, 3))]
+        body = RigidBody(name="body", carrier=-1, solids=tuple(Placed(Sphere(radius=0.1), at) for at in places))
+        assert Woods.of([body]).deepest >= 1
     assert seen == set(short_kernels())
 
 

@@ -67,14 +67,15 @@ def codes(job: Job) -> list[str]:
     return [f.code for f in job.findings if f.code not in ("GS204", "GS206", "GS195", "GS231")]
 
 
-@pytest.mark.parametrize("base", [ARM, MILL], ids=["arm", "five axes"])
-def test_the_tool_stands_on_the_normal_all_along_within_the_limits_of_the_joints(base: str) -> None:
+@pytest.mark.parametrize(("base", "told"), [(ARM, ["GS212"]), (MILL, [])], ids=["arm", "five axes"])
+def test_the_tool_stands_on_the_normal_all_along_within_the_limits_of_the_joints(base: str, told: list[str]) -> None:
+    """The wrist of the arm passes its singularity on the top of the pipe."""
     job = job_of(ROUND, cell(base, PIPE))
     q, tips, axes, feed = sampled(job)
     normal = tips * [1.0, 0.0, 1.0] / np.linalg.norm(tips * [1.0, 0.0, 1.0], axis=1)[:, None]
     angle = np.degrees(np.arccos(np.clip((normal * axes).sum(axis=1), -1.0, 1.0)))
 
-    assert codes(job) == []
+    assert codes(job) == told
     round_ = feed & (np.abs(tips[:, 0]) < 40.0 * MM)
     assert round_.sum() > 200
     assert angle[round_].max() < 0.3  # the cylinder is a prism of many sides

@@ -111,7 +111,7 @@ def test_round_ends_in_a_slot_and_at_half_their_width(kind, flutes, helix):
 
 @pytest.mark.parametrize("helix", [0.0, 30.0])
 def test_a_ramp_beside_a_wall(helix):
-    """The bottom cuts all the way round, the side in front only; force goes to the sum as the grid does, since falls look deeper."""
+    """The bottom cuts all the way round, the side in front only; force nears the sum as the grid gets finer."""
     cutter = mill("flat_end_mill", 3, helix)
     wanted = by_sum(cutter, STEEL, 4e-3, 0.0, slope=-0.3)
 

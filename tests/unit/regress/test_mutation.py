@@ -53,7 +53,10 @@ ALLOWED = {  # by the end of a path: absolute, relative
     ".count": (0.0, 0.0),
 }
 NO_RESULT = ("inputs", "findings", "schema", "stopped_at", "status", "operations")
-NO_QUANTITY = ("error_bound_mm3", "line_of_max_force", "line_of_margin", "first_line", "number", "word")
+NO_QUANTITY = (
+    *("body", "air_share"),  # they follow from what is compared
+    *("error_bound_mm3", "line_of_max_force", "line_of_margin", "first_line", "number", "word"),
+)
 NO_PLACE = ("line_of_AT", "time_of_AT_s")
 NO_PACE = ("mean_feed_mm_min", "least_feed_mm_min", "share_at_feed")  # they follow from times that are compared
 COLUMNS = 5e-9  # m³ by which columns have to differ, besides that walls may stand in the next column
