@@ -15,7 +15,7 @@ DEEPEST = 64
 RUN = 8  # what is not longer is sorted by insertion
 
 
-@kernel(short=True)
+@kernel
 def sort_along(key: Array, order: Ints, begin: int, end: int, spare: Ints) -> None:
     """Sort `order` from `begin` to `end` by `key` of what stands there; equal ones keep their order."""
     for low in range(begin, end, RUN):
@@ -47,7 +47,7 @@ def sort_along(key: Array, order: Ints, begin: int, end: int, spare: Ints) -> No
         width *= 2
 
 
-@kernel(short=True)
+@kernel
 def ball_around(at: Array, size: Array, members: Ints, low: Array, high: Array) -> tuple[float, int]:
     """Radius of a ball about the middle of `low` and `high` (3,) around some balls, and the longest side of these.
 

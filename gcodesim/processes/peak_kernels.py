@@ -87,7 +87,7 @@ class Chips(NamedTuple):
     pitch: float  # [rad]
 
 
-class Load(NamedTuple):
+class TipLoad(NamedTuple):
     """Square of the force on the tool [N²], and torque [N·m]."""
 
     force: float
@@ -289,7 +289,7 @@ def behind_line(at_low: float, at_high: float, angle: float) -> tuple[float, flo
 
 
 @kernel(lean=True)
-def load_at(chips: Chips, weights: Array, stretches: Array, number: int, angle: float, load: Array) -> Load:
+def load_at(chips: Chips, weights: Array, stretches: Array, number: int, angle: float, load: Array) -> TipLoad:
     """The load with a tooth at turning angle `angle` [rad], from 0 to a pitch and a little more; load (4,) is room."""
     load[:] = 0.0
     pitch, per_pitch = chips.pitch, 1.0 / chips.pitch
@@ -311,7 +311,7 @@ def load_at(chips: Chips, weights: Array, stretches: Array, number: int, angle: 
             if high > low:
                 load_between(chips, stretch, weights[int(stretch[ROW_OF])], at, low, high, load)
             at += pitch
-    return Load(load[0] * load[0] + load[1] * load[1] + load[2] * load[2], load[3])
+    return TipLoad(load[0] * load[0] + load[1] * load[1] + load[2] * load[2], load[3])
 
 
 @kernel(lean=True, inlined=True)
@@ -363,7 +363,7 @@ def find_borders(stretches: Array, number: int, pitch: float, borders: Array) ->
 
 
 @kernel(lean=True)
-def climb_parabolas(chips: Chips, room: Room, number: int, gap: Array, of: int, best: float) -> Load:
+def climb_parabolas(chips: Chips, room: Room, number: int, gap: Array, of: int, best: float) -> TipLoad:
     """The greatest loads of those that parabolas lead to between two places; `of` is LOADS or TORQUES."""
     begin, end = gap[BEGIN], gap[END]
     middle = 0.5 * (begin + end)
@@ -395,7 +395,7 @@ def climb_parabolas(chips: Chips, room: Room, number: int, gap: Array, of: int, 
             end, at_end = place, here
         if not begin < middle < end:
             break
-    return Load(force, torque)
+    return TipLoad(force, torque)
 
 
 @kernel(lean=True)
@@ -422,7 +422,7 @@ def lay_gaps(chips: Chips, room: Room, number: int, found: int) -> int:
 
 
 @kernel(lean=True, inlined=True)
-def greatest_in(chips: Chips, room: Room, number: int, gap: Array, known: Load) -> Load:
+def greatest_in(chips: Chips, room: Room, number: int, gap: Array, known: TipLoad) -> TipLoad:
     """The greatest loads of those that are `known` and those that are found between two places."""
     force, torque = known
     hope = max(gap[LOADS], gap[LOADS + 2]) > HOPE * HOPE * force or max(gap[TORQUES], gap[TORQUES + 2]) > HOPE * torque
@@ -434,7 +434,7 @@ def greatest_in(chips: Chips, room: Room, number: int, gap: Array, known: Load) 
     more = climb_parabolas(chips, room, number, gap, LOADS, force)
     force, torque = max(force, more.force), max(torque, more.torque)
     more = climb_parabolas(chips, room, number, gap, TORQUES, torque)
-    return Load(max(force, more.force), max(torque, more.torque))
+    return TipLoad(max(force, more.force), max(torque, more.torque))
 
 
 @kernel(lean=True)
@@ -456,7 +456,7 @@ def peaks_of(teeth: Teeth, level: float, climb: float, chip: float, room: Room, 
         gap = room.gaps[i]
         force = max(force, max(gap[LOADS], gap[LOADS + 2]))
         torque = max(torque, max(gap[TORQUES], gap[TORQUES + 2]))
-    known = Load(force, torque)
+    known = TipLoad(force, torque)
     for i in range(gaps):
         known = greatest_in(chips, room, number, room.gaps[i], known)
     return float(np.sqrt(known.force)), float(known.torque)
