@@ -192,12 +192,11 @@ def _crossed(low: Array, high: Array, bunch_low: Array, bunch_high: Array) -> ND
 
 def _boxes(outline: Array, start: Array, end: Array, axis: Array) -> tuple[Array, Array]:
     """Upright boxes around the swept part, least and greatest corners (m, 3)."""
-    radius, height = outline[:, 0], outline[:, 1]
-    across = np.sqrt(np.maximum(1.0 - axis * axis, 0.0))
-    reach = axis[:, None, :] * height[:, None]
-    spread = across[:, None, :] * radius[:, None]
-    low = (reach - spread).min(axis=1) + np.minimum(start, end)
-    high = (reach + spread).max(axis=1) + np.maximum(start, end)
+    widest, low_end, high_end = outline[:, 0].max(), outline[:, 1].min(), outline[:, 1].max()
+    spread = np.sqrt(np.maximum(1.0 - axis * axis, 0.0)) * widest  # of the cylinder that holds it
+    one, other = axis * low_end, axis * high_end
+    low = np.minimum(one, other) - spread + np.minimum(start, end)
+    high = np.maximum(one, other) + spread + np.maximum(start, end)
     return low, high
 
 
