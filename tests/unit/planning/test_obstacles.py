@@ -179,5 +179,5 @@ def test_where_every_way_ends_in_a_collision_the_hit_names_the_longest_part_and_
     found = [finding for finding in job.findings if "every way on ends in a collision" in finding.hint]
     assert len(found) == 1
     assert found[0].code == "GS305"
-    assert found[0].related is not None and found[0].related.line == 6
+    assert found[0].span is not None and found[0].span.line == 6 and found[0].related is None  # both are here
     assert "then every way on ends in a collision: `arm/link_3` hits box0; " in found[0].hint
