@@ -37,6 +37,8 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 UP: Final = np.array([0.0, 0.0, 1.0])
+UPRIGHT: Final = 1e-6
+"""[-] by which the axis of a tool may differ from upright and still be called so: an arm says no more of it."""
 
 ActsOn = Literal["stock", "revolved", "surface", "bodies", "parts", "nothing"]
 
@@ -186,7 +188,7 @@ class Process:
     def from_above(self, window: Window) -> bool:
         """Whether all that it takes in a window it takes with what stood above, along Z of its target."""
         outline = self.swept
-        if outline is None or not np.array_equal(window.axis, np.broadcast_to(UP, window.axis.shape)):
+        if outline is None or float(np.abs(window.axis - UP).max(initial=0.0)) > UPRIGHT:
             return False
         side = outline[outline[:, 0] > 0.0]
         risen = np.lexsort((side[:, 0], np.round(side[:, 1], 8)))
