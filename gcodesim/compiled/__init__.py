@@ -10,6 +10,7 @@ it (`compiling`), which takes 0.3 s to load and seconds to work, and it is kept.
 from __future__ import annotations
 
 import os
+import time
 from collections.abc import Callable
 from functools import cached_property
 from types import FunctionType
@@ -51,6 +52,7 @@ class Kernel:
         self.short = short
         self.lean = lean
         self.inlined = inlined
+        self.declared_ns = time.time_ns()
         self.__doc__ = function.__doc__
         self.__wrapped__ = function
         self._entries: list[Callable[..., Any]] = []

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Final
 
 from gcodesim.compiled import Kernel
-from gcodesim.compiled.arguments import Arguments, of_text
+from gcodesim.compiled.arguments import Argument, Arguments, class_of, of_text
 from gcodesim.compiled.folder import folders
 from gcodesim.compiled.object_code import is_kept
 
@@ -37,21 +37,40 @@ def part_with(signature: str) -> tuple[str, tuple[str, ...]] | None:
 
 
 def kernel_of(signature: str) -> tuple[Kernel, Arguments]:
-    """The kernel and the types that a signature names; ValueError if there is no such kernel."""
+    """The kernel and the types that a signature names; ValueError if either is not there."""
     name, _, types = signature.partition(" ")
     module, _, place = name.partition(":")
     try:
         kernel = reduce(getattr, place.split("."), import_module(module))
         if isinstance(kernel, Kernel):
-            return kernel, of_text(types)
+            arguments = of_text(types)
+            if all(map(_has_its_fields, arguments)):
+                return kernel, arguments
     except (ImportError, AttributeError):
         pass
     raise ValueError(f"there is no kernel {signature}")
 
 
+def _has_its_fields(argument: Argument) -> bool:
+    """Whether the named tuples of a type have as many parts as their classes have fields."""
+    parts = argument.parts or ()
+    fields = getattr(class_of(argument.named), "_fields", ()) if argument.named else parts
+    return len(parts) == len(fields) and all(map(_has_its_fields, parts))
+
+
 def missing(signatures: tuple[str, ...]) -> list[str]:
-    """Those that are neither in a library nor in the cache."""
-    return [signature for signature in signatures if not is_kept(*kernel_of(signature))]
+    """Those that are neither in a library nor in the cache; what no kernel fits is left out.
+
+    The list may be older than the sources, as while somebody edits them, and no run may end because of that.
+    """
+    return [signature for signature in signatures if _is_missing(signature)]
+
+
+def _is_missing(signature: str) -> bool:
+    try:
+        return not is_kept(*kernel_of(signature))
+    except ValueError:
+        return False
 
 
 def nothing_is_kept() -> bool:

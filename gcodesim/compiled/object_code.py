@@ -22,7 +22,7 @@ from gcodesim.compiled import Kernel, is_compiler_off, library
 from gcodesim.compiled.arguments import NAMES_OF, Arguments, as_text, fields_of
 from gcodesim.compiled.folder import delete_old, folders, mark_used, obstacles, writable_folder
 from gcodesim.compiled.function import new_function, objects_are_as_known
-from gcodesim.compiled.sources import hash_of_sources
+from gcodesim.compiled.sources import edited_since, hash_of_sources
 from gcodesim.files.own_folder import OwnFolder
 
 
@@ -79,11 +79,15 @@ def _made_entry(kernel: Kernel, arguments: Arguments, symbol: str) -> Callable[.
 
 
 def compile_and_keep(kernel: Kernel, arguments: Arguments, place: OwnFolder | None) -> ObjectCode | None:
-    """Compile the kernel for these types into a folder; None if it returns what an entry cannot."""
+    """Compile the kernel for these types into a folder; None if it returns what an entry cannot.
+
+    Code of sources that were edited since they were loaded is not kept: its name would be that of the new ones.
+    """
     from gcodesim.compiled.compiling import compile_entry
 
     code = compile_entry(kernel, arguments, symbol_of(kernel, arguments))
-    if code is not None and place is not None:
+    edited = edited_since(cast(FunctionType, kernel.py_func).__code__, kernel.declared_ns)
+    if code is not None and place is not None and not edited:
         place.write(_file(code.symbol), _sealed(code))
     return code
 

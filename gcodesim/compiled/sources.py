@@ -43,6 +43,15 @@ def hash_of_sources(function: CodeType) -> str:
     return _hash_of_file(path)
 
 
+def edited_since(function: CodeType, time_ns: int) -> bool:
+    """Whether a source on which the machine code of a function depends was written after this time, or is gone."""
+    path = Path(function.co_filename)
+    try:
+        return path.is_file() and any(os.stat(file).st_mtime_ns > time_ns for file in _behind(path))
+    except OSError:
+        return True
+
+
 @cache
 def _hash_of_file(path: Path) -> str:
     return _sum([_way(), *(_read(file).digest for file in sorted(_behind(path)))])

@@ -343,6 +343,15 @@ def test_a_kernel_that_fails() -> None:
         assign(np.zeros(3), 3)
 
 
+def test_code_of_sources_that_were_edited_meanwhile_is_not_kept(cache: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its name would be that of the new sources, and the next process would run the old ones by it."""
+    edited = fresh(byte_at)
+    monkeypatch.setattr(edited, "declared_ns", 0)
+
+    assert edited(text(b"G1X5"), 2) == ord("X")
+    assert kept(cache) == []
+
+
 def test_another_numba_than_those_we_know(monkeypatch: pytest.MonkeyPatch, cache: Path) -> None:
     """Everything goes by way of numba then, which keeps nothing: it would be read back as a pickle."""
     monkeypatch.setattr(compiling, "_knows_this_numba", lambda: False)

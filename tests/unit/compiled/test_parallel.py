@@ -72,3 +72,16 @@ def test_all_kernels_of_the_list_exist() -> None:
     assert len(signatures) == len(set(signatures)) > 40
     for signature in signatures:
         known.kernel_of(signature)
+
+
+def test_a_list_that_is_out_of_date_ends_no_run(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Kernels that are gone, and types that have other fields by now, are not compiled ahead."""
+    gone = "gcodesim.rs274.plain.reader_kernels:gone u1[1]"
+    other = "gcodesim.material.kernels:volume_of gcodesim.material.field_kernels:Grid(f8)"
+    assert known.missing((gone, other)) == []
+
+    monkeypatch.setattr(known, "known_parts", lambda: {"some": (gone, READ)})
+    said: list[str] = []
+    warm_up.warm_up_for(READ, "", said.append)
+    assert len(kept()) == 1
+    assert said[0] == "compiling kernels, once for this version: some, 1 on all cores"

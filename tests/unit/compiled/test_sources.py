@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator
 from pathlib import Path
 from types import CodeType
@@ -110,3 +111,16 @@ def test_what_a_kernel_calls_is_among_its_sources() -> None:
         for value in vars(sys.modules[name]).values():
             if isinstance(value, Kernel):
                 assert Path(value.py_func.__code__.co_filename) in behind, (name, value.py_func)
+
+
+def test_sources_written_after_a_kernel_was_loaded_are_known(root: Path) -> None:
+    """What was loaded is then no longer what the files say, on which the names of machine code depend."""
+    kernels = root / "a" / "upper_kernels.py"
+    newest = max(os.stat(file).st_mtime_ns for file in root.rglob("*.py"))
+    assert not sources.edited_since(function_in(kernels), newest)
+
+    os.utime(root / "b" / "lower_kernels.py", ns=(newest + 1, newest + 1))
+    assert sources.edited_since(function_in(kernels), newest)
+
+    (root / "b" / "lower_kernels.py").unlink()
+    assert sources.edited_since(function_in(kernels), newest)
