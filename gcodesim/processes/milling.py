@@ -32,7 +32,7 @@ from gcodesim.processes.wear import WEAR, worn
 from gcodesim.processes.window import ProcessState, ProcessStep, Window
 from gcodesim.processes.zone import Zone
 from gcodesim.tools.cutter import Cutter
-from gcodesim.units import MM
+from gcodesim.units import MM, UM
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -58,6 +58,19 @@ SIDEWAYS: Final = Column("sideways_cut", "m^3", "sum", FINDINGS, "taken by a dri
 
 ALONG: Final = 0.05
 """Share of its way by which a drill may go beside its axis: an arm is not straighter while it bends."""
+
+GRAZED: Final = 0.05
+"""Of a cell: as thick a layer a rapid may seem to take of a wall that was cut along other chords of the same way; up to
+0.02 were seen."""
+
+SLACK: Final = 10.0 * UM
+"""[m] by which a rapid may go beside the way that was cut: blending, a mill that bends, a control that follows."""
+
+COARSE: Final = 0.5
+"""Of a cell: such a layer where the machine bends, or the tool leans and walls have no known place."""
+
+UPRIGHT: Final = 1.0 - 1.0e-9
+"""Share of an axis along Z from which on a tool stands upright."""
 
 
 @frozen(slots=False, eq=False)
@@ -89,6 +102,7 @@ class Milling(Process):
         Column("reversed_cut", "m^3", "sum", FINDINGS, "taken with the spindle turning backwards, without force"),
         Column("rapid_cut", "m^3", "sum", FINDINGS, "taken in rapids"),
         Column("rapid_bound", "m^3", "sum", FINDINGS, "what these rapids may seem to take where they only graze"),
+        Column("rapid_depth", "m", "greatest", FINDINGS, "how deep below the top of the stock these rapids went"),
         Column("inside", "", "any", FINDINGS, "in material that it may not cut: it was put there"),
     )
 
@@ -210,7 +224,7 @@ class Milling(Process):
 
         removed = out[:, m.REMOVED]
         rapid = window.rapid & (removed > 0.0)
-        bound = self._grazed(stock, window) if rapid.any() else 0.0
+        bound, below = self._grazed(stock, window) if rapid.any() else (0.0, 0.0)
         return ProcessStep(
             wrench=out[:, m.WRENCH : m.WRENCH + 6],
             deflection=out[:, m.DEFLECTION : m.DEFLECTION + 3],
@@ -235,6 +249,7 @@ class Milling(Process):
                 "reversed_cut": np.where(out[:, m.REVERSED] > 0.0, removed, 0.0),
                 "rapid_cut": np.where(rapid, removed, 0.0),
                 "rapid_bound": np.where(rapid, bound, 0.0),
+                "rapid_depth": np.where(rapid, below, 0.0),
                 "inside": out[:, m.INSIDE] > 0.0,
                 **({} if not self.cutter.watched else self._load.columns(out, window)),
                 **self._sideways(removed, window),
@@ -257,15 +272,21 @@ class Milling(Process):
         across = square - along * along > ALONG * ALONG * square
         return {SIDEWAYS.name: np.where(across & ~window.rapid, removed, 0.0)}
 
-    def _grazed(self, stock: Stock, window: Window) -> Array:
-        """What a rapid may seem to remove (n,) [m³] while it only grazes: half a cell of all wall that it passes."""
+    def _grazed(self, stock: Stock, window: Window) -> tuple[Array, Array]:
+        """What a rapid may seem to remove (n,) [m³] while it only grazes: a layer of all wall that it passes.
+
+        And how deep (n,) [m] it is below the top of the stock.
+        """
+        exact = (window.axis[:, 2] > UPRIGHT) & (window.compliance is None)
+        layer = np.where(exact, GRAZED * stock.cell + SLACK, COARSE * stock.cell)
         way = window.piece_end - window.piece_start
         low = np.minimum(window.piece_start[:, 2], window.piece_end[:, 2])
         depth = np.clip(stock.z_range[1] - low, 0.0, stock.z_range[1] - stock.z_range[0])
         walls = 2.0 * hypot(way[:, 0], way[:, 1]) * depth + 2.0 * np.pi * self.zone.radius * np.abs(way[:, 2])
-        bound = np.zeros(window.steps)
-        np.add.at(bound, window.piece_step, 0.5 * stock.cell * walls)
-        return bound
+        bound, below = np.zeros((2, window.steps))
+        np.add.at(bound, window.piece_step, layer[window.piece_step] * walls)
+        np.maximum.at(below, window.piece_step, depth)
+        return bound, below
 
     @cached_property
     def _load(self) -> CutterLoad:

@@ -32,33 +32,38 @@ _LEFT_TAPS: Final = frozenset(("G74",))
 
 def cutter_findings(rows: Rows) -> list[Diagnostic]:
     """GS401 to GS405, GS407, GS409, GS501 and GS502, from the columns that `Milling` writes."""
-    bound = rows["rapid_bound"] + _least(rows)
+    least = rows["rapid_bound"] + _least(rows)
+    grazed = rows["rapid_bound"] + _least(rows, rows["rapid_depth"])
     # on its way out of a hole: the tool has been down there already
     rapid_cut = np.where(rows.retreat, 0.0, rows["rapid_cut"])
     stopped = np.where(rows.retreat | rows.with_word(_PROBES) | _never_turns(rows), 0.0, rows["stopped_cut"])
     backwards = np.where(rows.retreat | rows.with_word(_LEFT_TAPS), 0.0, rows["reversed_cut"])
     shank, holder, inside = rows["shank_depth"], rows["holder_depth"], rows["inside"]
     fault = (shank > 0.0) | (holder > 0.0) | (stopped > 0.0) | (backwards > 0.0)
-    away = rows.rapid & ~fault & (rapid_cut <= bound) & (inside <= 0.0)
+    away = rows.rapid & ~fault & (rapid_cut <= grazed) & (inside <= 0.0)
     found = [
-        *_rapids(rows, rapid_cut, bound),
+        *_rapids(rows, rapid_cut, grazed),
         *_inside(rows, inside),
         *_in_stock(rows, "shank", shank, away),
         *_in_stock(rows, "holder", holder, away),
-        *_spindle(rows, "GS501", stopped, bound),
-        *_spindle(rows, "GS502", backwards, bound),
+        *_spindle(rows, "GS501", stopped, least),
+        *_spindle(rows, "GS502", backwards, least),
         *_sideways(rows),
     ]
     return [*_folded(found), *_blind(rows)]
 
 
+def _least(rows: Rows, depth: Array | None = None) -> Array:
+    """What each row (n,) may remove [m³] without counting as a cut: a cell, or rubbing at the tool's own wall.
 
-def _least(rows: Rows) -> Array:
-    """What each row (n,) may remove [m³] without counting as a cut: a cell, or rubbing at the tool's own wall."""
+    That is as high as the flutes, or as the tool is in the stock if its `depth` (n,) [m] is known.
+    """
     least = np.full(len(rows), rows.grain)
     for number, tool in rows.tools.items():
         if isinstance(tool, Cutter):
-            least[rows.tool == number] = max(rows.grain, RUB * np.pi * tool.diameter * tool.flute_length)
+            own = rows.tool == number
+            height = tool.flute_length if depth is None else np.minimum(depth[own], tool.flute_length)
+            least[own] = np.maximum(rows.grain, RUB * np.pi * tool.diameter * height)
     return least
 
 
@@ -158,12 +163,12 @@ _TURNS: Final = {
 }
 
 
-def _spindle(rows: Rows, code: str, volume: Array, bound: Array) -> Iterator[Diagnostic]:
+def _spindle(rows: Rows, code: str, volume: Array, least: Array) -> Iterator[Diagnostic]:
     how, hint = _TURNS[code]
     never = np.zeros(len(rows), dtype=np.bool_)  # one cause, until tool or spindle change
     for event in rows.events(volume > 0.0, never):
         taken = float(volume[event].sum()) / MM3
-        if volume[event].sum() <= bound[event].max():
+        if volume[event].sum() <= least[event].max():
             continue  # a tap on its way out, in its own thread: below what the grid can show
         message = f"{rows.tool_name(int(event[0]))} feeds through {taken:.1f} mm³ of stock with {how}"
         yield rows.told(event, code, message, hint, (taken, 0.0, "mm^3"))

@@ -15,7 +15,8 @@ from gcodesim.tools import TOOLS
 MM3 = 1e-9
 SHAPE = {"rapid": bool, "changed": bool, "retreat": bool, "tool": np.int64, "setting": np.int64, "time": float}
 WRITTEN = (
-    "removed", "rapid_cut", "rapid_bound", "stopped_cut", "reversed_cut", "shank_depth", "holder_depth", "inside",
+    "removed", "rapid_cut", "rapid_bound", "rapid_depth", "stopped_cut", "reversed_cut", "shank_depth", "holder_depth",
+    "inside",
 )  # fmt: skip
 
 
@@ -162,8 +163,13 @@ def test_a_cell_of_the_grid_and_a_rub_of_the_own_wall_are_no_cut() -> None:
 
     assert not found(use(2, rapid=True, rapid_cut={0: 0.9 * MM3}, grain=MM3))
     assert [f.code for f in found(use(2, rapid=True, rapid_cut={0: 1.1 * MM3}, grain=MM3))] == ["GS401"]
-    assert not found(use(2, tool=2, rapid=True, rapid_cut={0: 0.9 * rub}))
-    assert [f.code for f in found(use(2, tool=2, rapid=True, rapid_cut={0: 1.1 * rub}))] == ["GS401"]
+    deep = {"tool": 2, "rapid": True, "rapid_depth": 5e-3}
+    assert not found(use(2, **deep, rapid_cut={0: 0.9 * rub}))
+    assert [f.code for f in found(use(2, **deep, rapid_cut={0: 1.1 * rub}))] == ["GS401"]
+    # of its wall no more than is in the stock
+    shallow = {**deep, "rapid_depth": 0.1e-3}
+    assert not found(use(2, **shallow, rapid_cut={0: 0.09 * rub}))
+    assert [f.code for f in found(use(2, **shallow, rapid_cut={0: 0.11 * rub}))] == ["GS401"]
 
 
 def test_a_cut_while_a_blind_axis_turns() -> None:
