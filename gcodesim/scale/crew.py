@@ -37,6 +37,8 @@ _WAIT_FOR_WORKERS_S: Final = 30.0
 ABANDONED_S: float = 60.0
 """How long tasks wait for a worker after all have left."""
 _WAIT_FOR_SCHEDULER_S: Final = 10.0
+_ARRIVE_S: Final = 2.0  # what results that are on their way get when nobody wants them any more
+_LOGGERS: Final = ("distributed", "tornado", "bokeh", "asyncio")  # of the engine, with all below them
 
 
 class NoWorkersError(Exception):
@@ -163,6 +165,7 @@ class Crew:
             if futures and self._client.status == "running":
                 with suppress(Exception):  # whatever keeps it from hearing that nobody wants them any more
                     self._client.cancel(futures, force=True)
+                    _let_arrive(done)
 
     def _next(self, done: Any) -> list[tuple[Any, Any]]:
         """What has ended since; waits for something. NoWorkersError when nobody has been there for a while."""
@@ -280,7 +283,20 @@ def _why_not(reply: Any) -> list[str]:
     return [f"it does not answer as a worker of gcodesim does ({type(reply).__name__})"]
 
 
+def _let_arrive(done: Any) -> None:
+    """Wait until no result is on its way here: a client that closes meanwhile breaks off the connections they use."""
+    until = time.monotonic() + _ARRIVE_S
+    while not done.is_empty() and time.monotonic() < until:
+        if not done.next_batch(block=False):
+            time.sleep(0.01)
+
+
 def _be_quiet() -> None:
-    """Whatever is worth saying we say ourselves."""
-    for name in ("distributed", "tornado", "bokeh", "asyncio"):
-        logging.getLogger(name).setLevel(logging.CRITICAL)
+    """Whatever is worth saying we say ourselves.
+
+    The engine gives some of its loggers a level of their own when it is imported, `tornado.application` among them,
+    which tells of each result that was on its way when a connection broke. So each logger is set, not only the roots.
+    """
+    for name in [*_LOGGERS, *logging.root.manager.loggerDict]:
+        if name.split(".")[0] in _LOGGERS:
+            logging.getLogger(name).setLevel(logging.CRITICAL)

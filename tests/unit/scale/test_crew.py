@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import asyncio
+import logging
 import math
 import socket
 import time
@@ -147,3 +149,44 @@ def test_ten_thousand_tasks_need_no_more_memory_than_one_thousand():
         tracemalloc.stop()
 
     assert peaks[1] < 1.5 * peaks[0] + 2e6
+
+
+def test_who_leaves_waits_for_results_that_are_on_their_way(standing: Cluster, monkeypatch: pytest.MonkeyPatch):
+    """Else the client closes below them, and tornado tells of each."""
+    from distributed import Client
+
+    under_way: list[object] = []
+    at_the_close: list[int] = []
+    gather, close = Client._gather, Client.close
+
+    async def slow(self, futures, *args, **named):
+        under_way.append(futures)
+        await asyncio.sleep(0.1)
+        try:
+            return await gather(self, futures, *args, **named)
+        finally:
+            under_way.remove(futures)
+
+    def closing(self, *args, **named):
+        at_the_close.append(len(under_way))
+        close(self, *args, **named)
+
+    monkeypatch.setattr(Client, "_gather", slow)
+    monkeypatch.setattr(Client, "close", closing)
+    with crew_at(standing.address) as crew:
+        ends = crew.do(stand_in, tasks(30, takes_s=0.012))
+        next(ends)
+        assert under_way
+        ends.close()
+
+    assert at_the_close[0] == 0
+
+
+def test_the_engine_tells_nothing_by_itself(standing: Cluster):
+    logging.getLogger("tornado.application").setLevel(logging.ERROR)  # as the engine does when it is imported
+    with crew_at(standing.address):
+        pass
+
+    names = [name for name in logging.root.manager.loggerDict if name.startswith(("distributed.", "tornado."))]
+    assert len(names) > 10
+    assert [name for name in names if logging.getLogger(name).isEnabledFor(logging.ERROR)] == []
