@@ -26,7 +26,7 @@ from gcodesim.scale.interrupts import interrupts_wait
 from gcodesim.scale.worker import UNFIT, Work, carried, hello, work
 
 if TYPE_CHECKING:
-    from distributed import Client, Future
+    from distributed import Client, Future, Security
 
 _AHEAD: Final = 3  # tasks a thread of a worker has waiting, so that it is never idle
 _LEAST_AHEAD: Final = 16
@@ -96,7 +96,7 @@ def local_crew(jobs: int, tell: Callable[[str], None] = print) -> Iterator[Crew]
 def crew_at(address: str, keys: Keys | None = None, tell: Callable[[str], None] = print) -> Iterator[Crew]:
     """The workers of the scheduler at `address`. NoWorkersError if it cannot be reached or has none that may work."""
     require_extra("scale", "work on a scheduler")
-    from distributed import Client, Security
+    from distributed import Security
 
     _be_quiet()
     secret = None
@@ -108,7 +108,7 @@ def crew_at(address: str, keys: Keys | None = None, tell: Callable[[str], None] 
             require_encryption=True,
         )
     try:
-        client = Client(address, security=secret, set_as_default=False, timeout=_WAIT_FOR_SCHEDULER_S)
+        client = _client_at(address, secret)
     except (OSError, ValueError, TypeError, RuntimeError) as error:
         raise NoWorkersError(f"the scheduler at {address} cannot be reached: {error}") from None
     try:
@@ -116,6 +116,24 @@ def crew_at(address: str, keys: Keys | None = None, tell: Callable[[str], None] 
     finally:
         with suppress(Exception):  # it may be gone
             client.close(timeout=2)
+
+
+def _client_at(address: str, secret: Security | None) -> Client:
+    """A client that is closed at once if it cannot connect.
+
+    Otherwise it would be closed whenever it is collected: also while another opens, and each would wait for the other.
+    """
+    from distributed import Client
+
+    class ClosedUnlessConnected(Client):  # type: ignore[misc]
+        def start(self, **named: Any) -> None:
+            try:
+                super().start(**named)
+            except BaseException:
+                self.close(timeout=2)
+                raise
+
+    return ClosedUnlessConnected(address, security=secret, set_as_default=False, timeout=_WAIT_FOR_SCHEDULER_S)
 
 
 class Crew:

@@ -190,3 +190,21 @@ def test_the_engine_tells_nothing_by_itself(standing: Cluster):
     names = [name for name in logging.root.manager.loggerDict if name.startswith(("distributed.", "tornado."))]
     assert len(names) > 10
     assert [name for name in names if logging.getLogger(name).isEnabledFor(logging.ERROR)] == []
+
+
+def test_a_client_that_cannot_connect_is_closed_at_once(monkeypatch: pytest.MonkeyPatch):
+    """Not whenever it is collected, which may be while the next one opens."""
+    from distributed import Client
+
+    begun: list[Client] = []
+    start = Client.start
+
+    def starting(self, **named):
+        begun.append(self)
+        start(self, **named)
+
+    monkeypatch.setattr(Client, "start", starting)
+    with pytest.raises(NoWorkersError, match="cannot be reached"), crew_at("tls://127.0.0.1:9"):
+        pass
+
+    assert [client.status for client in begun] == ["closed"]
