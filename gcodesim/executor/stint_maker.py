@@ -17,8 +17,11 @@ from gcodesim.executor.window import Ints, StepWindow
 from gcodesim.frames import Array
 from gcodesim.frozen import frozen
 from gcodesim.kinematics import compliance
+from gcodesim.processes.signal import Signal
 from gcodesim.processes.window import Window
 from gcodesim.shop import Shop
+
+Flags = NDArray[np.bool_]
 
 _BOTH_ENDS: Final = (0.0, 1.0)
 
@@ -107,7 +110,7 @@ class Chords:
         np.add.at(velocity, self.step, (self.stop - self.start) / dt[self.step, None])
         return velocity
 
-    def rapid(self, rows: RowColumns, count: int) -> NDArray[np.bool_]:
+    def rapid(self, rows: RowColumns, count: int) -> Flags:
         """Which of `count` steps are rapid: those of which every piece is."""
         rapid = np.ones(count, dtype=bool)
         rapid[self.step[~rows.rapid[self.row]]] = False
@@ -116,8 +119,8 @@ class Chords:
 
 @frozen(kw_only=False, eq=False)
 class StintMaker:
-    """Makes the stints of a channel: `rows` are those of its path, `switching` says when signals are set, which only
-    grippers ask. `parts` are those of the run; some targets are among them.
+    """Makes the stints of a channel: `rows` are those of its path, `switching` says when signals are set, which
+    grippers ask, and all where the machine stands. `parts` are those of the run; some targets are among them.
     """
 
     shop: Shop
@@ -163,7 +166,8 @@ class StintMaker:
         dt, row = steps.dt[here], steps.row[here]
         middle = steps.samples.time[here] - 0.5 * dt
         pose = pose_before = parts = None
-        signals = {signal.name: self.rows.signal(signal, row) for signal in task.process.reads}
+        rests = steps.rests[here]
+        signals = {signal.name: self._signal(signal, row, middle, rests) for signal in task.process.reads}
         if isinstance(task.target, PartsTarget):
             X_WB, joints = self.shop.X_WB.matrix, steps.joints(self.shop.name, span.begin, span.end)
             pose, pose_before = multiplied(X_WB, steps.tip[here]), multiplied(X_WB, steps.tip_before[span.begin])
@@ -197,6 +201,16 @@ class StintMaker:
             row=chords.row,
             parts=parts,
         )
+
+    def _signal(self, signal: Signal, row: Ints, middle: Array, rests: Flags) -> Array:
+        """A signal (n,) in steps of rows `row` (n,) with their `middle` (n,) [s].
+
+        A row knows what holds as it begins. While the machine stands before it (`rests`), the signal may still change.
+        """
+        values: Array = self.rows.signal(signal, row)
+        if rests.any() and self.switching.is_set(signal):
+            values = np.where(rests, self.switching.at(signal, middle), values)
+        return values
 
     def _compliance(self, task: Task, span: StepSpan, R_SB: Array) -> Array | None:
         """How the machine gives way (n, 6, 6) to a process that pushes, in axes of the target; None if it does not."""

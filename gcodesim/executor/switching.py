@@ -46,6 +46,10 @@ class Switching:
             self._changes[signal.name] = np.array(times), np.array(values)
         return self._changes[signal.name]
 
+    def is_set(self, signal: Signal) -> bool:
+        """Whether the program sets a signal anywhere."""
+        return len(self.changes(signal)[0]) > 0
+
     def at(self, signal: Signal, time: Array) -> Array:
         """The values (n,) of a signal at times (n,) [s]."""
         times, values = self.changes(signal)

@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.arithmetic.distinct import distinct
-from gcodesim.executor.filament import filament_between
 from gcodesim.executor.tasks import RowColumns
 from gcodesim.frames import Array
 from gcodesim.frozen import frozen
@@ -74,7 +73,8 @@ class StepWindow:
     is asked, where it is not asked about all.
 
     `samples` at the ends of the steps; `row` (n,) is the path row in the middle
-    of each; `tool` (n,) its tool; `q` (n, j) commanded joints, `q_begin` (j,) those
+    of each, where the machine stands the next one; `rests` (n,) says where it
+    stands for an event; `tool` (n,) its tool; `q` (n, j) commanded joints, `q_begin` (j,) those
     before the first step; `tip` (n, 4, 4) the commanded tip X_BT and `tip_before`
     (n, 4, 4) that at the step's start.
 
@@ -89,6 +89,7 @@ class StepWindow:
     dt: Array
     samples: Samples
     row: Ints
+    rests: NDArray[np.bool_]
     tool: Ints
     q: Array
     q_begin: Array
@@ -183,6 +184,7 @@ def window_of(plan: Plan, rows: RowColumns, ticks: Ints, dt_ns: int, carry: Carr
         dt=dt,
         samples=samples,
         row=row,
+        rests=middle.event >= 0,
         tool=tool,
         q=q,
         q_begin=carry.q,
@@ -193,7 +195,7 @@ def window_of(plan: Plan, rows: RowColumns, ticks: Ints, dt_ns: int, carry: Carr
         piece_step=step,
         piece_share=share,
         piece_row=np.clip(trajectory.rows_at(centre), 0, last),
-        piece_filament=filament_between(trajectory, at_knots),
+        piece_filament=trajectory.filament_between(at_knots),
         command=None if ticks[-1] - ticks[0] == count else command_of(plan, ticks, dt_ns),
     )
     carry.tool, carry.shift, carry.gap, carry.tip, carry.q = int(tool[-1]), shift[-1], gap[-1], tip[-1], q[-1]

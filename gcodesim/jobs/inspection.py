@@ -10,7 +10,7 @@ import numpy as np
 
 from gcodesim.arithmetic.distinct import distinct
 from gcodesim.arithmetic.matrices import dots
-from gcodesim.canon import AXIS_LETTERS, ToolChange
+from gcodesim.canon import AXIS_LETTERS, Dwell, ToolChange
 from gcodesim.checks.saturation import saturation_findings
 from gcodesim.diagnostics import Diagnostic, Severity, Span
 from gcodesim.diagnostics.events import Flags
@@ -81,6 +81,7 @@ class Inspector:
             change_spans={
                 timed.row: timed.event.span for timed in plan.path.events if isinstance(timed.event, ToolChange)
             },
+            stay_spans=_stay_spans(plan),
             grain=_grain(shop),
         )
         self._switches = {
@@ -251,6 +252,17 @@ def _straight_up(plan: Plan, shop: Shop) -> Flags:
         way[:, :3] -= along[:, None] * retreat
         up[:] = (along > 0.0) & (np.abs(way).max(axis=1) < 1e-9)
     return up
+
+
+def _stay_spans(plan: Plan) -> dict[int, Span]:
+    """Where the program asks for the stay before a row: filament that comes out there, else a dwell."""
+    trajectory = plan.trajectory
+    stays = None if trajectory.filament is None else trajectory.filament.stays
+    spans: dict[int, Span] = {}
+    for k, timed in enumerate(trajectory.events):
+        if isinstance(timed.event, Dwell) if stays is None else stays[k] > 0.0:
+            spans.setdefault(min(timed.row, max(len(plan.path) - 1, 0)), timed.event.span)
+    return spans
 
 
 def _grain(shop: Shop) -> float:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from gcodesim.arithmetic.distinct import distinct
 from gcodesim.canon import Extrude
 from gcodesim.frames import Array
+from gcodesim.motion.filament import tools_of_events, tools_of_rows
 from gcodesim.numbers import rounded
 from gcodesim.units import MM, MM3
 
@@ -28,20 +29,17 @@ def printing_of(plan: Plan, tools: Mapping[int, Tool], row_time: Array) -> dict[
     Filament is counted by E words alone: `filament` is their sum, `forward` what goes forward, `laid` what does so
     while the head moves. Where no comment names a layer, a layer is a height at which something is laid.
     """
-    path = plan.path
-    alone = [
-        (timed.row, timed.event, timed.duration) for timed in plan.trajectory.events if isinstance(timed.event, Extrude)
-    ]
+    path, events = plan.path, plan.trajectory.events
+    alone = [(timed.row, timed.event, timed.duration) for timed in events if isinstance(timed.event, Extrude)]
     if not path.extrude.any() and not alone:
         return None
     count = len(path)
-    numbers = np.array([state.tool for state in path.states])[path.state]
+    numbers = tools_of_rows(path)
     area = np.array([_area(tools.get(state.tool)) for state in path.states])[path.state]
     laid = np.maximum(path.extrude, 0.0)
-    by_words = [(row, event) for row, event, _ in alone if not event.by_firmware]
-    rows_alone = np.clip(np.array([row for row, _ in by_words], dtype=np.int64), 0, max(count - 1, 0))
-    lengths = np.array([event.length for _, event in by_words])
-    all_rows = np.concatenate([np.arange(count), rows_alone])
+    by_words = [k for k, each in enumerate(events) if isinstance(each.event, Extrude) and not each.event.by_firmware]
+    lengths = np.array([event.length for _, event, _ in alone if not event.by_firmware])
+    all_tools = np.concatenate([numbers, tools_of_events(path, events)[by_words]])
     all_lengths = np.concatenate([path.extrude, lengths])
     time = row_time.copy()
     if count:
@@ -51,8 +49,8 @@ def printing_of(plan: Plan, tools: Mapping[int, Tool], row_time: Array) -> dict[
             [seconds for _, _, seconds in alone],
         )
     nozzles = []
-    for number in distinct(numbers).tolist():
-        mine = numbers[all_rows] == number
+    for number in distinct(all_tools).tolist():
+        mine = all_tools == number
         if not all_lengths[mine].any():
             continue
         own = numbers == number

@@ -7,21 +7,22 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from gcodesim.material.strand_kernels import Laid, lay
+from gcodesim.material.strand_kernels import AT_REST, Laid, lay
 
 if TYPE_CHECKING:
     from gcodesim.material.stock import Stock
 
 Array = NDArray[np.float64]
 
-CARRY = 4
-"""Numbers that a strand takes from one call to the next: where it ended (3) [m], and its height there [m]."""
+CARRY = 5
+"""Numbers that a strand takes from one call to the next: where it ended (3) [m], its height there [m], and what came
+out since the nozzle stands there [m³]."""
 
 
 class FilamentStrand(NamedTuple):
     """c pieces of a strand in S: from `starts` to `ends` (c, 3) [m] of the nozzle's tip with `volumes` (c,) [m³].
 
-    `widths` and `heights` (c,) [m] are those that the bead is meant to have.
+    `widths` and `heights` (c,) [m] are those that the bead is meant to have. Where the nozzle stands, it lays a blob.
     """
 
     starts: Array
@@ -30,12 +31,18 @@ class FilamentStrand(NamedTuple):
     widths: Array
     heights: Array
 
+    @property
+    def at_rest(self) -> NDArray[np.bool_]:
+        """The pieces (c,) on which the nozzle stands."""
+        found: NDArray[np.bool_] = np.abs(self.ends - self.starts).max(axis=1) < AT_REST
+        return found
+
 
 def lay_strand(stock: Stock, strand: FilamentStrand, carry: Array) -> Laid:
     """Lay a strand on whatever lies below it, in place; `carry` (CARRY,) is changed.
 
-    What lies beside the stock's grid is not kept and told as such; all else is in the stock. Columns along x and y are
-    given up.
+    What lies beside the stock's grid, and blobs with nothing below, are not kept and told as such; all else is in the
+    stock. Columns along x and y are given up.
     """
     stock.lattice = None
     count = len(strand.volumes)

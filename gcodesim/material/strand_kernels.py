@@ -4,6 +4,10 @@ A piece of the way gives a volume. Its cross-section A = volume / length becomes
 nozzle, and of width w = A / h + h (1 - pi / 4), a rectangle with half-round sides. Each column takes the share of that
 section that lies over it, filled up from what is below. What finds no room under the nozzle goes sideways, nearest
 first, and what is left then swells up beside the nozzle. Volume is conserved to rounding.
+
+What comes while the nozzle stands is a blob: it fills the room around the tip, nearest first, as far as a strand would
+reach or half a ball of its volume does, and the rest swells up as a dome. With nothing below the tip it falls, and is
+not kept.
 """
 
 from __future__ import annotations
@@ -26,6 +30,8 @@ DEEPEST = 1.5  # of the nominal height: how far below the nozzle there may be su
 UNDER = 1.05  # of the nominal height: below this a bead of the same layer does not count as support
 LEAST = 0.25  # of the nominal height: a gap that is less says only that a neighbour is there already
 WIDEST = 2.0  # of the nominal width: what is asked for beyond that flows to all sides
+SPREAD = 1.5  # of the width: how far from a strand its material flows to the sides
+AT_REST = 1.0e-9  # [m]: on a way that is shorter a nozzle stands
 TINY = 1.0e-15  # [m³]
 
 
@@ -49,7 +55,10 @@ class Laid(NamedTuple):
 
 
 class StrandRoom(NamedTuple):
-    """Columns that a piece may reach, m of them: indices, share of the section, free height [m] below the nozzle."""
+    """Columns that a piece may reach, m of them: indices, share of the section, free height [m] below the nozzle.
+
+    In place of the share `around` gives the distance [m].
+    """
 
     i: NDArray[np.int64]
     j: NDArray[np.int64]
@@ -191,8 +200,8 @@ def gather(
 
 
 @kernel
-def around(field: Field, start: Array, end: Array, reach: float, nozzle: Nozzle) -> StrandRoom:
-    """The columns within `reach` of a piece that have room, each with its distance [m] from it in place of a share.
+def around(field: Field, start: Array, end: Array, reach: float, nozzle: Nozzle, least: float) -> StrandRoom:
+    """The columns within `reach` of a piece that have more than `least` of room, each with its distance [m] from it.
 
     They are what a strand flows into, nearest first. None where `reach` is negative.
     """
@@ -221,7 +230,7 @@ def around(field: Field, start: Array, end: Array, reach: float, nozzle: Nozzle)
             if distance > reach:
                 continue
             room = room_below(columns, i, j, start[2] + along * (end[2] - start[2]), nozzle)
-            if room > 0.0:
+            if room > least:
                 at_i[m], at_j[m], away[m], free[m] = i, j, distance, room
                 m += 1
     return StrandRoom(at_i[:m], at_j[:m], away[:m], free[:m])
@@ -300,7 +309,7 @@ def lay_piece(
     for m in range(len(room.share)):
         wanted = volume * room.share[m] / total / area
         left += (wanted - min(wanted, room.free[m])) * area
-    wide = around(field, start, end, 1.5 * width if left > TINY else -1.0, nozzle)  # as it is before anything is put
+    wide = around(field, start, end, SPREAD * width if left > TINY else -1.0, nozzle, 0.0)  # before anything is put
     if not has_interval(columns, room) or not has_interval(columns, wide):
         return -1.0, 0.0, 0.0, support, width, height
     inside = 0.0
@@ -328,12 +337,52 @@ def lay_piece(
 
 
 @kernel
+def lay_blob(field: Field, at: Array, volume: float, nozzle: Nozzle, before: float) -> tuple[float, float, float]:
+    """Lay `volume` [m³] where the nozzle stands; in the stock, above the nozzle, fallen with nothing below.
+
+    `before` is what came out there already. A first value of -1 means that a column has no interval left, and nothing
+    was done.
+    """
+    columns, grid = field.columns, field.grid
+    i, j = cell_of(field, at[0], at[1])
+    nx, ny = columns.number.shape
+    if i < 0 or j < 0 or i >= nx or j >= ny:
+        return 0.0, 0.0, volume
+    if at[2] - top_below(columns, i, j, at[2], nozzle.fuse) > DEEPEST * nozzle.height:
+        return 0.0, 0.0, volume
+    ball = (1.5 / math.pi * (before + volume)) ** (1.0 / 3.0)
+    reach = max(SPREAD * WIDEST * nozzle.width, ball, math.hypot(grid.dx, grid.dy))
+    room = around(field, at, at, reach, nozzle, -1.0)
+    if not has_interval(columns, room):
+        return -1.0, 0.0, 0.0
+    area, left, inside = grid.dx * grid.dy, volume, 0.0
+    for m in np.argsort(room.share, kind="mergesort"):
+        if left <= TINY:
+            break
+        if room.free[m] > 0.0:
+            added = put(field, room.i[m], room.j[m], at[2], min(left / area, room.free[m]), nozzle) * area
+            inside += added
+            left -= added
+    if left <= TINY:
+        return inside, 0.0, 0.0
+    total = 0.0
+    for m in range(len(room.share)):
+        room.free[m] = math.sqrt(max(reach * reach - room.share[m] * room.share[m], 0.0))  # of the dome, its shape
+        total += room.free[m]
+    above = 0.0
+    for m in range(len(room.share)):
+        above += put(field, room.i[m], room.j[m], at[2], left * room.free[m] / total / area, nozzle) * area
+    return inside + above, above, 0.0
+
+
+@kernel
 def lay(field: Field, ways: Array, volumes: Array, sizes: Array, carry: Array, first: int, laid: Laid) -> int:
     """Lay pieces `first`… in order; the index of the piece that found no room, or their number.
 
     ways (c, 6): start and end of the nozzle tip in S [m]; volumes (c,) [m³], none where it is not positive; sizes
-    (c, 2): nominal width and height [m]; carry (4,): where the last piece ended and the height of its strand. To go on
-    after a stop, give the columns more room and call again.
+    (c, 2): nominal width and height [m]; carry (5,): where the last piece ended, the height of its strand, and what has
+    come out since the nozzle stands there. A blob's support and width are 0. To go on after a stop, give the columns
+    more room and call again.
     """
     pieces = len(ways)
     for p in range(first, pieces):
@@ -341,7 +390,15 @@ def lay(field: Field, ways: Array, volumes: Array, sizes: Array, carry: Array, f
         if volumes[p] <= 0.0:
             continue
         nozzle = Nozzle(sizes[p, 0], sizes[p, 1], 1.0e-9)
-        goes_on = np.max(np.abs(carry[:3] - start)) < 1.0e-9
+        goes_on = np.max(np.abs(carry[:3] - start)) < AT_REST
+        if np.max(np.abs(end - start)) < AT_REST:
+            before = carry[4] if goes_on else 0.0
+            inside, above, beside = lay_blob(field, end, volumes[p], nozzle, before)
+            if inside < 0.0:
+                return p
+            laid.volume[p], laid.above[p], laid.beside[p] = inside, above, beside
+            carry[:3], carry[3], carry[4] = end, nozzle.height, before + volumes[p]
+            continue
         inside, above, beside, support, width, height = lay_piece(
             field, start, end, volumes[p], nozzle, carry[3] if goes_on else 0.0
         )
@@ -349,5 +406,5 @@ def lay(field: Field, ways: Array, volumes: Array, sizes: Array, carry: Array, f
             return p
         laid.volume[p], laid.above[p], laid.beside[p] = inside, above, beside
         laid.support[p], laid.width[p] = 1.0 if support else 0.0, width
-        carry[:3], carry[3] = end, height
+        carry[:3], carry[3], carry[4] = end, height, 0.0
     return pieces

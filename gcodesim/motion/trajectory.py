@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from gcodesim.canon import Event, ToolChange
 from gcodesim.frames import Array
 from gcodesim.frozen import frozen
+from gcodesim.motion.filament import Filament
 from gcodesim.motion.pieces import Pieces
 from gcodesim.motion.tool_path import HOME, RAPID, ToolPath
 
@@ -141,6 +142,15 @@ class Trajectory:
             feed_distance=float(way[~rapid].sum()),
             rapid_distance=float(way[rapid].sum()),
         )
+
+    @cached_property
+    def filament(self) -> Filament | None:
+        """What leaves the nozzles of a printer; None where no E word moves any."""
+        return Filament.of(self.path, self.events)
+
+    def filament_between(self, samples: Samples) -> Array | None:
+        """How much (n - 1,) [m] of it does so between consecutive samples (n,)."""
+        return None if self.filament is None or not len(samples) else self.filament.between(samples, self.pieces)
 
     def sample(self, t: Array) -> Samples:
         """The trajectory at times `t` (n,) [s], in any order; times outside are held at the ends."""

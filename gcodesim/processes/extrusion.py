@@ -53,6 +53,8 @@ class Extrusion(Process):
         Column("extruded", "m^3", "sum", RESULTS, "volume that left the nozzle and was meant to be laid"),
         Column("beside", "m^3", "sum", RESULTS, "extruded beside the stock, where it is not kept"),
         Column("swollen", "m^3", "sum", RESULTS, "found no room below the nozzle and stands above it"),
+        Column("blobs", "m^3", "sum", RESULTS, "laid while the nozzle stands"),
+        Column("fallen", "m^3", "sum", RESULTS, "came out while the nozzle stands with nothing below, and is not kept"),
         Column("unsupported", "m", "sum", RESULTS, "laid where nothing is below"),
         Column("laid_length", "m", "sum", RESULTS, "way on which a bead was laid"),
         Column("meant", "m^3", "sum", RESULTS, "volume of beads of the width and height that are named"),
@@ -138,22 +140,25 @@ class Extrusion(Process):
         height = np.where(height > 0.0, height, extruder.bead_height)
         width = np.maximum(np.where(width > 0.0, width, extruder.bead_width), height)
         start, end = window.piece_start[some], window.piece_end[some]
-        found = lay_strand(stock, FilamentStrand(start, end, volume, width, height), state.values)
-        length = norms(end - start)
+        strand = FilamentStrand(start, end, volume, width, height)
+        found, rests = lay_strand(stock, strand, state.values), strand.at_rest
+        length = np.where(rests, 0.0, norms(end - start))
         asked = ((width - height) * height + 0.25 * np.pi * (height * height)) * length
         columns = {
             "added": found.volume,
             "nominal": volume,
             "extruded": volume,
-            "beside": found.beside,
-            "swollen": found.above,
+            "beside": np.where(rests, 0.0, found.beside),
+            "swollen": np.where(rests, 0.0, found.above),
+            "blobs": np.where(rests, found.volume, 0.0),
+            "fallen": np.where(rests, found.beside, 0.0),
             "unsupported": length * (1.0 - found.support),
             "laid_length": length,
             "meant": asked,
         }
         sums = {name: sums_by_step(step, values, n) for name, values in columns.items()}
         sums["built"] = self._built(end, step, n, state)
-        return ProcessStep.free(n, {**sums, "engaged": sums["extruded"] > 0.0})
+        return ProcessStep.free(n, {**sums, "engaged": sums["laid_length"] > 0.0})
 
     def _built(self, ends: Array, step: NDArray[np.int64], n: int, state: ProcessState) -> Array:
         """How high (n,) [m] the beads stand that end at `ends` (c, 3), of a paste; 0 of what sets at once."""
@@ -195,7 +200,7 @@ class Extrusion(Process):
     def findings(cls, rows: Rows) -> Iterable[Diagnostic]:
         """GS520 to GS524: beads in the air, of another size than flow allows, beside the stock, or without room.
 
-        GS528 and GS529: pastes that do not stand.
+        GS519: blobs. GS528 and GS529: pastes that do not stand.
         """
         from gcodesim.processes.printing import paste_findings, printing_findings
 

@@ -1,8 +1,9 @@
-"""What is wrong with a print: beads in the air, flow that the bead cannot be, material beside the stock."""
+"""What is wrong with a print: beads in the air, flow that the bead cannot be, material beside the stock, blobs."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -28,19 +29,24 @@ SPILL: Final = 0.25
 SHORT: Final = 0.01
 """[s] Rows that take less may have no step of their own."""
 
+NO_WAY: Final = 0.01 * MM
+"""A row that is shorter lays no bead that could have a size."""
+
 OFF: Final = 0.2
 """Share by which flow may miss the bead; slicers stay within some per cent."""
 
 _WORTH: Final = 0.02  # share of all that was extruded from which on a loss or swelling is worth a finding
+_BLOBS: Final = 0.005  # the same of what comes out while the nozzle stands: within it volume counts as conserved
 
 
 def printing_findings(rows: Rows) -> Iterator[Diagnostic]:
-    """GS520 to GS524 from the columns that `Extrusion` writes; all but the first two only where volumes are known."""
+    """GS519 to GS524 from the columns that `Extrusion` writes; only those of beads in the air without known volumes."""
     volume = rows["extruded"]
     yield from _in_the_air(rows)
     if not volume.any():
         return
-    yield from _off_size(rows, volume)
+    yield from _off_size(rows, volume - rows["blobs"] - rows["fallen"])
+    yield from _blobs(rows, float(volume.sum()))
     total, laying = float(volume.sum()), _laying(volume)
     for code, name, what, hint in (
         ("GS522", "beside", "lies beside the stock, where it is not kept", "make the stock, which is the bed, as large "
@@ -58,6 +64,25 @@ def printing_findings(rows: Rows) -> Iterator[Diagnostic]:
                 hint,
                 (float(lost.sum()) / MM3, _WORTH * total / MM3, "mm³"),
             )
+
+
+def _blobs(rows: Rows, total: float) -> Iterator[Diagnostic]:
+    """What comes out while the nozzle stands."""
+    blobs, fallen = rows["blobs"], rows["fallen"]
+    laid, lost = float(blobs.sum()), float(fallen.sum())
+    if laid + lost <= _BLOBS * total:
+        return
+    where = _laying(blobs + fallen)
+    parts = [f"{laid / MM3:.1f} mm³ stay there as blobs"] * (laid > 0.0)
+    parts += [f"{lost / MM3:.1f} mm³ fall, with nothing below, and are not kept"] * (lost > 0.0)
+    found = rows.told(
+        where,
+        "GS519",
+        f"{(laid + lost) / MM3:.1f} of {total / MM3:.1f} mm³ come out while the nozzle stands: {', '.join(parts)}",
+        "as meant for priming and purging; else look for filament that comes back longer than it was drawn back",
+        ((laid + lost) / MM3, _BLOBS * total / MM3, "mm³"),
+    )
+    yield replace(found, span=rows.stay_spans.get(int(where[0])) or found.span)
 
 
 def _laying(way: Array) -> NDArray[np.intp]:
@@ -110,6 +135,7 @@ def _off_size(rows: Rows, volume: Array) -> Iterator[Diagnostic]:
     """Flow that is much more or less than the bead's size asks for."""
     asked = rows["meant"]
     rated = _laying(rows["laid_length"])
+    rated = rated[rows["laid_length"][rated] > NO_WAY]
     off = rated[np.abs(volume[rated] - asked[rated]) > OFF * asked[rated]]
     if not len(off):
         return

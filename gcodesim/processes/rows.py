@@ -30,7 +30,8 @@ class Rows:
     of unknown place, by letter, in which rows it turns; `grain` [m³] is the volume of a cell of the coarsest
     stock. `columns` are those that the process wrote, as summed up by the executor: zero in rows of other processes.
     `span` is where a row stands in the program, `change_spans` where the program asks for the tool that comes before a
-    row, and `with_word` gives the rows whose motion word is one of some; `ended`: the program has run to its end.
+    row, `stay_spans` where it asks for a stay before a row, and `with_word` gives the rows whose motion word is one of
+    some; `ended`: the program has run to its end.
     """
 
     rapid: Flags
@@ -45,6 +46,7 @@ class Rows:
     tools: Mapping[int, Tool] = field(default_factory=dict)
     turns: Mapping[str, Flags] = field(default_factory=dict)
     change_spans: Mapping[int, Span] = field(default_factory=dict)
+    stay_spans: Mapping[int, Span] = field(default_factory=dict)
     grain: float = 0.0
     ended: bool = False
 

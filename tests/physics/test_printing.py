@@ -85,6 +85,57 @@ def test_beside_the_plate_nothing_is_kept_and_all_is_told():
     assert laid.beside.sum() == pytest.approx(BEAD * 25.0 * MM3, rel=0.02)
 
 
+BLOBS = """M83
+G28
+G1 X10 Y30 Z3 F6000
+G1 E20 F600
+G1 X40 F6000
+G1 E-5 F1200
+G1 X60 E3 F1200
+G1 E5 F1200
+G1 Z20 F6000
+G1 E7 F600
+"""
+"""A blob of 20 mm of filament; 5 mm drawn back, of which 3 come forward on the way and 2 at rest, so 3 more are a blob;
+7 mm into the air."""
+
+
+def test_what_comes_out_at_rest_is_a_blob_or_falls():
+    ran = run_texts(BLOBS, CELL)
+    (tool,) = ran.results.tools
+
+    assert ran.stock.deposited / MM3 == pytest.approx(23.0 * AREA, rel=1e-4)
+    assert tool["blobs_mm3"] == pytest.approx(ran.stock.deposited / MM3, rel=1e-6)
+    assert tool["fallen_mm3"] == pytest.approx(7.0 * AREA, rel=1e-4)
+    assert tool["laid_length_mm"] == 0.0
+    assert [(f.code, f.span.line, f.count) for f in ran.results.findings if f.code == "GS519"] == [("GS519", 4, 2)]
+
+
+def test_a_blob_is_a_disc_below_the_nozzle_and_then_a_dome():
+    at = np.array([[15.0, 0.0, 3.0]]) * MM
+    size = np.full(1, 6.0 * MM), np.full(1, 3.0 * MM)
+    for volume, radius, top in ((400.0, math.sqrt(400.0 / math.pi / 3.0), 3.0), (6000.0, 18.0, 6.0)):
+        stock = Stock.box((-5 * MM, -20 * MM, -2 * MM), (35 * MM, 20 * MM, 0.0), 0.5 * MM)
+        laid = lay_strand(stock, FilamentStrand(at, at, np.full(1, volume * MM3), *size), np.full(CARRY, np.inf))
+        at_x = [stock.intervals_at(x * MM, 0.1 * MM)[-1][1] > 0.05 * MM for x in np.arange(-4.9, 34.9, 0.1)]
+
+        assert laid.volume[0] == pytest.approx(volume * MM3, rel=1e-9)
+        assert sum(at_x) * 0.05 == pytest.approx(radius, abs=0.5)
+        assert stock.extent()[1][2] >= (top - 1e-6) * MM
+
+
+def test_a_pump_goes_on_while_the_nozzle_stands():
+    """It is switched on, and off again before the next move."""
+    cell = CELL.replace("dialect: marlin\n", "").replace("length: 40}", "length: 40, flow: 100 mm^3/s}")
+    cell += "signals: {active: {word: M62 P0}}\n"
+    text = "G21 G90\nT1 M6\nG43 H1\nG0 X30 Y30 Z20\nG1 Z3 F1000\nM64 P0\nG4 P2\nM65 P0\nG0 Z20\nM2\n"
+    ran = run_texts(text, cell.replace("  0: {", "  1: {"))
+
+    assert ran.stock.deposited / MM3 == pytest.approx(200.0, rel=1e-3)
+    assert [(f.code, f.span.line) for f in ran.results.findings if f.code == "GS519"] == [("GS519", 7)]
+    assert ran.misuse == []
+
+
 def test_little_flow_is_told():
     """Scenario 12: E100 over 100 mm with beads of 6 x 3 mm."""
     ran = run_texts("M83\nG28\nG1 X10 Y30 Z3 F6000\nG1 X110 E100 F1200\n", CELL)

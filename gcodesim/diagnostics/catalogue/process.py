@@ -126,6 +126,16 @@ CODES: tuple[Code, ...] = (
         remedy="Cut less deep or less wide, or take a speed at which a tooth passes once in one, two, three … swings.",
     ),
     Code(
+        code="GS519",
+        severity=Severity.NOTE,
+        title="Blobs",
+        what="Material comes out of a nozzle that stands: more filament than was drawn back before, or from a pump that "
+        "runs. It stays there as a blob or, with nothing below, falls and is not kept.",
+        why="Blobs are in the way of what comes next; what falls is in no volume of the part.",
+        remedy="Nothing where the nozzle is primed or purged; else check retraction, E words and where the pump is "
+        "switched.",
+    ),
+    Code(
         code="GS520",
         severity=Severity.WARNING,
         title="Bead in the air",
