@@ -129,8 +129,8 @@ CODES: tuple[Code, ...] = (
         code="GS519",
         severity=Severity.NOTE,
         title="Blobs",
-        what="Material comes out of a nozzle that stands: more filament than was drawn back before, or from a pump that "
-        "runs. It stays there as a blob or, with nothing below, falls and is not kept.",
+        what="Material comes out of a nozzle that stands: more filament than was drawn back before, or from a pump "
+        "that runs. It stays there as a blob or, with nothing below, falls and is not kept.",
         why="Blobs are in the way of what comes next; what falls is in no volume of the part.",
         remedy="Nothing where the nozzle is primed or purged; else check retraction, E words and where the pump is "
         "switched.",
