@@ -130,7 +130,9 @@ class External:
     )
     robot: str | None = key(
         Text(form="the name of a robot, or `machine`"),
-        "whose program moves it (default: the only robot, or the machine where there is none)", default=None, quiet=True
+        "whose program moves it (default: the only robot, or the machine where there is none)",
+        default=None,
+        quiet=True,
     )
     base: Place = key(Record(Place, "a place"), "where it stands with all axes at zero", default=Place())
     free: bool = key(Switch(), "the planner chooses where its axes stand", default=False)
@@ -148,7 +150,7 @@ class External:
                 to.fault("GS710", to.span((*at, "travel")), message, "the second must be greater")
                 good = False
             elif axis.home is not None:
-                good &= check_within(axis.home, low, high, measure, f"axis {letter}", to, (*at, "home"))
+                good &= check_within(axis.home, low, high, measure, f"home of axis {letter}", to, (*at, "home"))
             if axis.direction is not None and not any(axis.direction):
                 to.fault("GS710", to.span((*at, "direction")), f"the direction of axis {letter} has no length")
                 good = False
@@ -161,10 +163,7 @@ class External:
     @property
     def homes(self) -> tuple[float, ...]:
         """Where its axes start [m, rad]."""
-        return tuple(
-            nearest_home(*axis.travel) if axis.home is None else axis.home
-            for axis in self.axes.values()
-        )
+        return tuple(nearest_home(*axis.travel) if axis.home is None else axis.home for axis in self.axes.values())
 
     def is_free(self, letter: str) -> bool:
         """Whether the planner chooses where this axis stands."""
@@ -223,9 +222,7 @@ class External:
             )
             for letter, axis in self.axes.items()
         )
-        return Carrier(
-            name=self.name, axes=axes, X_BE=X_WB.inverse() @ self.X_WE, carries_arm=self.carries is not None
-        )
+        return Carrier(name=self.name, axes=axes, X_BE=X_WB.inverse() @ self.X_WE, carries_arm=self.carries is not None)
 
 
 def columns_of(externals: Sequence[External], taken: Sequence[int] = ()) -> dict[str, int]:

@@ -10,7 +10,7 @@ from gcodesim.declarations.nodes import Mapping, Node, Scalar
 from gcodesim.declarations.quantity import LAST_UNIT_HOLDS, Quantity, lacks_unit, last_unit
 from gcodesim.declarations.reading import UNREAD, Path, Reading, Unread, suggestion
 from gcodesim.declarations.record import FREE
-from gcodesim.declarations.scalars import Measured
+from gcodesim.declarations.scalars import Measured, measured
 from gcodesim.declarations.units import shown
 from gcodesim.frozen import frozen
 
@@ -33,19 +33,27 @@ class JointValue:
 
 @frozen
 class JointList(Kind):
-    """One value a joint, `[0, -90, 90, 0, 90, 0]`, of one of `dimensions`; with `letters` also `{X: 0, Z: -10}`."""
+    """One value a joint, `[0, -90, 90, 0, 90, 0]`, of one of `dimensions`.
+
+    With `letters` also `{X: 0, Z: -10}`; with `names` also the name of a pose, which is read as its text.
+    """
 
     dimensions: tuple[str, ...] = POSITIONS
     letters: bool = False
+    names: bool = False
     example: str = "[0, -90, 90, 0, 90, 0]"
 
     @property
     def expected(self) -> str:
-        return f"one value {'an axis' if self.letters else 'a joint'}, such as `{self.example}`"
+        named = ", or the name of a pose" if self.names else ""
+        return f"one value {'an axis' if self.letters else 'a joint'}, such as `{self.example}`{named}"
 
     def read(self, node: Node, to: Reading, path: Path) -> Any:
         if self.letters and isinstance(node, Mapping):
             return self._by_letter(node, to, path)
+        if self.names and isinstance(node, Scalar) and not node.empty and measured(node.text) is None:
+            to.spans[path] = node.span
+            return node.text
         items = listing(self, node, to, path)
         if isinstance(items, Unread):
             return UNREAD
@@ -74,6 +82,8 @@ class JointList(Kind):
     def schema(self, definitions: dict[str, Json]) -> Json:
         value = {"anyOf": [{"type": "number"}, *(Quantity(name).schema(definitions) for name in self.dimensions)]}
         many = {"type": "array", "items": value, "minItems": 1}
+        if self.names:
+            return {"anyOf": [many, {"type": "string"}]}
         return {"anyOf": [many, {"type": "object", "additionalProperties": value}]} if self.letters else many
 
 
@@ -97,12 +107,12 @@ def in_si(
 def check_within(
     value: float, lower: float, upper: float, measure: Measure, what: str, to: Reading, path: Path
 ) -> bool:
-    """Whether a home position is within its travel; a finding when it is not."""
+    """Whether the position of `what` is within its travel; a finding when it is not."""
     slack = 1e-9
     if lower - slack <= value <= upper + slack:
         return True
     bounds = f"{shown(lower, measure)} to {shown(upper, measure)}"
-    to.fault("GS723", to.span(path), f"home of {what} is {shown(value, measure)}, outside its travel {bounds}")
+    to.fault("GS723", to.span(path), f"{what} is {shown(value, measure)}, outside its travel {bounds}")
     return False
 
 

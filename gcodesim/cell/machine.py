@@ -102,7 +102,7 @@ class MachineForm:
                 axis.lower,
                 axis.upper,
                 axis.measure,
-                f"axis {axis.letter}",
+                f"home of axis {axis.letter}",
                 to,
                 self._home_path(axis.letter, i, path),
             )

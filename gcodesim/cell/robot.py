@@ -28,6 +28,7 @@ from gcodesim.declarations.composed import Either, ListOf
 from gcodesim.declarations.file_kind import File, FileValue
 from gcodesim.declarations.keys import key
 from gcodesim.declarations.kind import NOT_NEGATIVE, POSITIVE, Json, Kind
+from gcodesim.declarations.map_of import MapOf, NameRule
 from gcodesim.declarations.nodes import Node
 from gcodesim.declarations.plain_kinds import Choice, Text
 from gcodesim.declarations.quantity import Quantity
@@ -46,6 +47,7 @@ if TYPE_CHECKING:
 
 RIGID: Final = "rigid"
 _CONFIGURATION: Final = ListOf(Choice(WORDS, "a configuration"), single=True)
+_POSE_NAMES: Final = NameRule(what="pose name", pattern=r"\S(.*\S)?", canonical=lambda text: text.strip() or None)
 _STIFFNESS_OF: Final[dict[Measure, str]] = {"angle": "torsional stiffness", "length": "stiffness"}
 _LIMITS: Final[dict[str, dict[Measure, str]]] = {
     "speed": {"angle": "angular speed", "length": "speed"},
@@ -93,7 +95,13 @@ class RobotForm:
         Text(form="the name of a link"), "the link of the URDF that carries the tool", default=None, quiet=True
     )
     base: Place = key(Record(Place, "a place"), "where the base stands", default=Place(), quiet=True)
-    home: Any = key(JointList(), "joints at the start", default=None)
+    home: Any = key(JointList(names=True), "joints at the start, or one of the `poses`", default=None)
+    poses: Mapping[str, Any] = key(
+        MapOf(_POSE_NAMES, JointList(), "joints by the name of a pose, such as `{ready: [0, -90, 90, 0, 90, 0]}`"),
+        'joints that have a name: for `home`, and for sessions (`arm.move_joints("ready")`)',
+        default={},
+        quiet=True,
+    )
     stiffness: Any = key(
         Either(((RIGID, RIGID),), JointList(dimensions=STIFFNESSES, example="[1.5e5, 1.4e5, 9e4 N·m/rad]")),
         "stiffness of each gear, or `rigid`",
@@ -172,10 +180,13 @@ class RobotForm:
         path: Path,
     ) -> Robot | Unread:
         measures = measures_of(chain)
+        poses = self._poses(chain, to, (*path, "poses"))
+        if isinstance(poses, Unread):
+            return UNREAD
         if self.home is None:
             to.default((*path, "home"), home)
         else:
-            read = self._home(chain, measures, to, (*path, "home"))
+            read = self._home(chain, poses, to, (*path, "home"))
             if isinstance(read, Unread):
                 return UNREAD
             home = read
@@ -217,6 +228,7 @@ class RobotForm:
             chain=with_limits(chain, limits),
             base=self.base,
             home=home,
+            poses=poses,
             stiffness=stiffness,
             limits=limits,
             allow_collisions=tuple((one, other) for one, other in self.allow_collisions),
@@ -275,28 +287,51 @@ class RobotForm:
                 return False
         return True
 
-    def _home(self, chain: Chain, measures: tuple[Measure, ...], to: Reading, path: Path) -> tuple[float, ...] | Unread:
-        if len(self.home) != len(measures):
-            return to.fault(
-                "GS706", to.span(path), f"`home` has {len(self.home)} entries; the robot has {len(measures)} joints"
-            )
-        values = in_si(self.home, [Quantity(m) for m in measures], to)
-        if isinstance(values, Unread):
-            return UNREAD
-        joints = chain.driven_joints
-        within = [
-            check_within(
-                value,
-                float(joints.lower[i]),
-                float(joints.upper[i]),
-                measures[i],
-                f"joint `{joints.names[i]}`",
-                to,
-                (*path, i),
-            )
-            for i, value in enumerate(values)
-        ]
-        return values if all(within) else UNREAD
+    def _poses(self, chain: Chain, to: Reading, path: Path) -> dict[str, tuple[float, ...]] | Unread:
+        read = {
+            name: joint_positions(values, f"pose `{name}`", chain, to, (*path, name))
+            for name, values in self.poses.items()
+        }
+        good = {name: values for name, values in read.items() if not isinstance(values, Unread)}
+        return good if len(good) == len(read) else UNREAD
+
+    def _home(
+        self, chain: Chain, poses: Mapping[str, tuple[float, ...]], to: Reading, path: Path
+    ) -> tuple[float, ...] | Unread:
+        if not isinstance(self.home, str):
+            return joint_positions(self.home, "home", chain, to, path)
+        if self.home in poses:
+            return poses[self.home]
+        known = suggestion(self.home, tuple(poses)) if poses else "its `poses` name none"
+        return to.fault("GS712", to.span(path), f"the robot has no pose `{self.home}`", known)
+
+
+def joint_positions(
+    values: tuple[JointValue, ...], what: str, chain: Chain, to: Reading, path: Path
+) -> tuple[float, ...] | Unread:
+    """One position a joint [rad, m], each within its travel; `what` they are (home, a pose), people are told."""
+    measures, joints = measures_of(chain), chain.driven_joints
+    if len(values) != len(measures):
+        named = "`home`" if what == "home" else what
+        return to.fault(
+            "GS706", to.span(path), f"{named} has {len(values)} entries; the robot has {len(measures)} joints"
+        )
+    read = in_si(values, [Quantity(m) for m in measures], to)
+    if isinstance(read, Unread):
+        return UNREAD
+    within = [
+        check_within(
+            value,
+            float(joints.lower[i]),
+            float(joints.upper[i]),
+            measures[i],
+            f"{what} of joint `{joints.names[i]}`",
+            to,
+            (*path, i),
+        )
+        for i, value in enumerate(read)
+    ]
+    return read if all(within) else UNREAD
 
 
 def measures_of(chain: Chain) -> tuple[Measure, ...]:
@@ -319,7 +354,7 @@ class Robot:
     """A robot in the cell.
 
     `model` names a shipped one, else `urdf` is the file's name as written in the cell, and `flange` the link written
-    there; `description` is where that file is, and `chain` its content. `home` [rad] or [m],
+    there; `description` is where that file is, and `chain` its content. `home` [rad] or [m], `poses` likewise by name,
     `stiffness` of the gears [N·m/rad] or [N/m], or None for rigid ones; `limits` of its joints, speed, acceleration and
     jerk [rad, m, s], where the cell says them; `allow_collisions` are links that may meet; `configuration` names the
     branches on which it has to be (None: all); `controller` is how its motors follow the command; `X_WB` is its base
@@ -340,6 +375,7 @@ class Robot:
     chain: Chain = field(compare=False, repr=False)
     base: Place
     home: tuple[float, ...]
+    poses: Mapping[str, tuple[float, ...]]
     stiffness: tuple[float, ...] | None
     limits: Mapping[str, tuple[float, ...]]
     allow_collisions: tuple[tuple[str, str], ...]
@@ -416,6 +452,11 @@ class RobotKind(Kind):
         shown = _description(value)
         shown["base"] = Record(Place, "a place").show(value.base)
         shown["home"] = [Quantity(m).show(v) for m, v in zip(measures_of(value.chain), value.home, strict=True)]
+        if value.poses:
+            shown["poses"] = {
+                name: [Quantity(m).show(v) for m, v in zip(measures_of(value.chain), values, strict=True)]
+                for name, values in value.poses.items()
+            }
         shown["stiffness"] = RIGID if value.stiffness is None else _show_stiffness(value)
         for name, values in value.limits.items():
             kinds = [Quantity(_LIMITS[name][m]) for m in measures_of(value.chain)]
@@ -436,6 +477,11 @@ class RobotKind(Kind):
         shown["base"] = Record(Place, "a place").plain(value.base)[1]
         shown["joint_units"] = ["mm" if m == "length" else "deg" for m in measures]
         shown["home"] = [Quantity(m).plain(v)[1] for m, v in zip(measures, value.home, strict=True)]
+        if value.poses:
+            shown["poses"] = {
+                name: [Quantity(m).plain(v)[1] for m, v in zip(measures, values, strict=True)]
+                for name, values in value.poses.items()
+            }
         shown["stiffness_SI"] = None if value.stiffness is None else list(value.stiffness)
         for name, values in value.limits.items():
             shown[f"{name}_SI"] = list(values)

@@ -132,7 +132,7 @@ def _cross(start: Array, end: Array, low: Array, high: Array) -> Flags:
 def _crowded(zone: SharedZone, one: Occupant, other: Occupant, both: Flags, times: Array) -> Diagnostic:
     begins = np.flatnonzero(both & ~np.concatenate([[False], both[:-1]]))
     first = float(times[begins[0]])
-    until = float(times[begins[0] + int(np.argmin(np.append(both[begins[0] :], False)))  - 1])
+    until = float(times[begins[0] + int(np.argmin(np.append(both[begins[0] :], False))) - 1])
     here, there = _span_at(one.plan, first), _span_at(other.plan, first)
     return Diagnostic(
         code="GS623",

@@ -138,7 +138,13 @@ def between(low: float, high: float, least: float, most: float) -> float:
 
 @kernel
 def in_columns(
-    a: int, patch: tuple[int, int], stride: int, sight: StockSight, field: Field, bodies: Convexes, best: float,
+    a: int,
+    patch: tuple[int, int],
+    stride: int,
+    sight: StockSight,
+    field: Field,
+    bodies: Convexes,
+    best: float,
     room: SightRoom,
 ) -> float:
     """The least of `best` and the gaps [m] of convex body `a` to columns of a patch; `low`, `high` are its room.
@@ -214,8 +220,15 @@ def gap_to_stock(sight: StockSight, field: Field, bodies: Convexes, enough: floa
 
 @kernel
 def gap_at_share(
-    q: Array, place: tuple[int, float], sight: StockSight, couple: Couple, chain: JointTree, field: Field,
-    bodies: Convexes, enough: float, room: SightRoom,
+    q: Array,
+    place: tuple[int, float],
+    sight: StockSight,
+    couple: Couple,
+    chain: JointTree,
+    field: Field,
+    bodies: Convexes,
+    enough: float,
+    room: SightRoom,
 ) -> float:
     """The gap [m] at a share of a step; `enough` where it is more."""  # fmt: skip
     k, t = place
@@ -228,8 +241,15 @@ def gap_at_share(
 
 @kernel
 def approach(
-    q: Array, sight: StockSight, couple: Couple, chain: JointTree, field: Field, bodies: Convexes, state: Array,
-    room: SightRoom, found: Array,
+    q: Array,
+    sight: StockSight,
+    couple: Couple,
+    chain: JointTree,
+    field: Field,
+    bodies: Convexes,
+    state: Array,
+    room: SightRoom,
+    found: Array,
 ) -> int:
     """Follow one pair through n steps, joints q (n + 1, j) at their ends, with the stock as it is now; n.
 

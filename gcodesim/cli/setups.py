@@ -42,7 +42,6 @@ if TYPE_CHECKING:
     from gcodesim.executor import Progress
 
 
-
 def run_job(arguments: argparse.Namespace) -> int:
     """`gcodesim run JOB`."""
     begin = time.perf_counter()

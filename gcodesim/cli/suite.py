@@ -74,7 +74,10 @@ def selected(arguments: argparse.Namespace) -> tuple[Collected, Judging]:
         )
     today = arguments.today or date.today()
     return collected, Judging(
-        root=root, fail_on=arguments.fail_on, today=today, allow_paths=tuple(arguments.allow_path),
+        root=root,
+        fail_on=arguments.fail_on,
+        today=today,
+        allow_paths=tuple(arguments.allow_path),
         allow_code=arguments.allow_code,
     )
 

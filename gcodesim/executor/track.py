@@ -376,9 +376,7 @@ def windows(tracks: Sequence[Track], first: int, steps: Iterable[Ints]) -> Itera
         yield from _between(tracks, carries, ticks)
 
 
-def _between(
-    tracks: Sequence[Track], carries: Sequence[Carry], ticks: Ints
-) -> Iterator[tuple[Track, WindowCut]]:
+def _between(tracks: Sequence[Track], carries: Sequence[Carry], ticks: Ints) -> Iterator[tuple[Track, WindowCut]]:
     """The steps of all tracks between `ticks` (n + 1,). Where tools come near each other in one target, the steps are
 
     divided, so that cuts go by steps: otherwise it does not matter who cuts first.

@@ -10,6 +10,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any, ClassVar, Final
 
+from gcodesim.declarations.record import FREE
 from gcodesim.importers.importer import (
     FoundSetting,
     FoundSettings,
@@ -179,9 +180,8 @@ class _Arm:
             yield f"    flange: {quoted(self.tip)}"
         kinds = self.chain.driven_joints.kinds
         if poses:
-            name, values = next(iter(poses.items()))
-            yield f"    home: [{_listed(values, kinds)}]  # {name}"
-            yield "    x-poses:"
+            yield f"    home: {quoted(next(iter(poses)))}"
+            yield "    poses:"
             for name, values in poses.items():
                 yield f"      {quoted(name)}: [{_listed(values, kinds)}]"
         for key, table, unit in (
@@ -215,11 +215,21 @@ class _Arm:
                 value = number_in(str(joint.get("value", "")).split()[0]) if joint.get("value") else None
                 if value is not None:
                     values[str(joint.get("name", ""))] = value
-            if set(self.joints) <= set(values):
-                self.settings.take(setting)
-                yield name, [values[joint] for joint in self.joints]
+            if why := self._why_no_pose(name.strip(), values):
+                self.settings.leave(setting, why)
             else:
-                self.settings.leave(setting, "it does not tell every joint of the arm")
+                self.settings.take(setting)
+                yield name.strip(), [values[joint] for joint in self.joints]
+
+    def _why_no_pose(self, name: str, values: Mapping[str, float]) -> str:
+        """Why a named pose cannot be one of the robot in the cell; empty if it can."""
+        if not set(self.joints) <= set(values):
+            return "it does not tell every joint of the arm"
+        limits = self.chain.driven_joints
+        for n, joint in enumerate(self.joints):
+            if not limits.lower[n] - 1e-9 <= values[joint] <= limits.upper[n] + 1e-9:
+                return f"`{joint}` is outside its travel there"
+        return "" if name and not name.startswith(FREE) else "a cell has no pose of such a name"
 
     def _pairs(self) -> Iterator[tuple[str, str]]:
         for element in self.robot.children("disable_collisions"):

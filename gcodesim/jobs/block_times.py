@@ -28,9 +28,7 @@ def block_times(trajectory: Trajectory, *, unended: bool) -> list[dict[str, Any]
     for index, timed_event in enumerate(trajectory.events):
         event = timed_event.event
         if timed_event.duration > 0.0 or is_mark(event) or (unended and index == last):
-            entry = _entry(
-                event.span.file, event.span.line, timed_event.time, timed_event.time + timed_event.duration
-            )
+            entry = _entry(event.span.file, event.span.line, timed_event.time, timed_event.time + timed_event.duration)
             if isinstance(event, (Action, ToolAwaited)) and is_wait(event):
                 entry["mark"] = name_of(event)
             timed.append((2 * timed_event.row, index, entry))

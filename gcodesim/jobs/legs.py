@@ -73,9 +73,7 @@ class Legs:
         assert job.shop is not None and job.reading is not None and job.cell is not None
         self._job, self._reading = job, job.reading
         self._stream = job.reading.stream()
-        self._builder = PathBuilder(
-            start, fastest=job.shop.fastest, length_leans=job.reading.settings.length_leans
-        )
+        self._builder = PathBuilder(start, fastest=job.shop.fastest, length_leans=job.reading.settings.length_leans)
         self._marks = marks
         self._question: canon.ProbeMove | canon.Input | None = None
         self._reply: canon.Answer | None = None

@@ -55,9 +55,7 @@ def rehearse(job: Job, *, onward: bool = False) -> Sequence[Stay] | None:
         return plan
 
     pacing = Pacing(dt_ns=step)
-    execution = execute_together(
-        channels, world_name=KINEMATIC, pacing=pacing, onward=further if onward else None
-    )
+    execution = execute_together(channels, world_name=KINEMATIC, pacing=pacing, onward=further if onward else None)
     for each, who, own in zip(job.all, inspectors, (execution, *execution.others), strict=True):
         each.findings.extend(who.of_grips(own))
     return execution.stays

@@ -46,9 +46,7 @@ class ClosedForm(Machine):
     has_wrist_centre: ClassVar[bool] = False
 
     @staticmethod
-    def plane_arm(
-        o: Array, u: Array, X_BF: Array, centre: Array, joints: Array, first: Array
-    ) -> PlaneArm | None:
+    def plane_arm(o: Array, u: Array, X_BF: Array, centre: Array, joints: Array, first: Array) -> PlaneArm | None:
         """The arm in its plane, or None when two joints of the plane coincide.
 
         `o`, `u` (6, 3) are points and directions of the axes at zero, `joints`

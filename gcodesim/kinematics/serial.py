@@ -59,9 +59,7 @@ class SerialArm(Machine):
         targets, joints = poses(X_BF), self.joints
         q, status = np.empty((len(targets), len(joints))), np.empty(len(targets), dtype=np.uint8)
         start = np.array(seed, dtype=np.float64)
-        inverse_path(
-            targets, start, int(on_path), self.starts, joints.lower, joints.upper, self.chain.tree, q, status
-        )
+        inverse_path(targets, start, int(on_path), self.starts, joints.lower, joints.upper, self.chain.tree, q, status)
         return q, status
 
     def branches(self, X_BF: Array) -> Array:

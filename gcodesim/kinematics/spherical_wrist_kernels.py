@@ -45,9 +45,7 @@ def wrist_angles(R: Array, q4: float) -> tuple[float, float, float, float]:
 
 
 @kernel
-def solve(
-    X: Array, only: int, arm: PlaneArm, previous: Array, room: Array, out: Array, flags: Indices
-) -> float:
+def solve(X: Array, only: int, arm: PlaneArm, previous: Array, room: Array, out: Array, flags: Indices) -> float:
     """All eight joint vectors `out` (8, 6) of the flange pose X (4, 4); branch = 4 backward + 2 elbow + wrist.
 
     E has Z along axis 4 and Y along axis 5 at zero; R_FE contains the angle of

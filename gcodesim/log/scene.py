@@ -171,9 +171,7 @@ def _line(kind: int, points: Array, color: Color, pixels: float, segments: NDArr
     return b"".join(wrap(_LINES, [head, _points(5, points), _color(6, color), *indices]))
 
 
-def path_update(
-    t_ns: int, frame: str, feed: Polylines, rapid: Polylines, ahead: Sequence[PathPart] = ()
-) -> bytes:
+def path_update(t_ns: int, frame: str, feed: Polylines, rapid: Polylines, ahead: Sequence[PathPart] = ()) -> bytes:
     """The whole planned path in `frame`: one line list for feed, one for rapids; very long paths are drawn coarser.
 
     `ahead` are the feeds once more in parts. Each is drawn strongly until its time has come, then the viewer takes it

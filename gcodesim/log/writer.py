@@ -138,9 +138,7 @@ class LogWriter:
         self._add_one("/scene/path", 0, path_update(0, d.path_frame, d.feed_path, d.rapid_path, d.path_ahead))
         self.event(0, "start", f"{d.run.get('program', 'program')} starts")
 
-    def path(
-        self, t_ns: int, frame: str, feed: Polylines, rapid: Polylines, ahead: Sequence[PathPart] = ()
-    ) -> None:
+    def path(self, t_ns: int, frame: str, feed: Polylines, rapid: Polylines, ahead: Sequence[PathPart] = ()) -> None:
         """The planned path, once more of it is known than at the start."""
         self._add_one("/scene/path", t_ns, path_update(t_ns, self._frame(frame), feed, rapid, ahead))
 

@@ -167,9 +167,7 @@ def along_limits(curves: Curves, limits: AxisLimits) -> tuple[Array, Array, Arra
         direction[arc, :3] = np.abs(curves.lift[arc]) / length[arc]
     with np.errstate(divide="ignore"):
         speed: Array = np.min(np.where(direction > 1e-12, table[0] / direction, np.inf), axis=1, initial=np.inf)
-        acceleration: Array = np.min(
-            np.where(direction > 1e-12, table[1] / direction, np.inf), axis=1, initial=np.inf
-        )
+        acceleration: Array = np.min(np.where(direction > 1e-12, table[1] / direction, np.inf), axis=1, initial=np.inf)
         radius = norms(curves.radial[arc]) * np.minimum(1.0, 1.0 + curves.growth[arc])
         n = np.cross(curves.radial[arc], curves.sideways[arc])
         n /= np.maximum(norms(n)[:, None], 1e-300)
@@ -221,9 +219,7 @@ def _join(
         duration=np.zeros(n),
     )
     tolerance = path.tolerance[row_last]
-    corners(
-        open_end | apart, blended, turning, speed, tolerance, tangents, limits.arrays, curves.arrays, joints
-    )
+    corners(open_end | apart, blended, turning, speed, tolerance, tangents, limits.arrays, curves.arrays, joints)
     overlapped = joints.kind == OVERLAPPED
     beside = overlapped.copy()
     beside[1:] |= overlapped[:-1]
@@ -293,10 +289,7 @@ def _assemble(
     least = np.where(np.isinf(columns["junction"]), LEAST, 0.0)
     keep = (columns["length"] > least) | timed
     everything = Curves(
-        **{
-            name: np.concatenate([getattr(curves, name), getattr(bends, name)])
-            for name in Curves.__dataclass_fields__
-        }
+        **{name: np.concatenate([getattr(curves, name), getattr(bends, name)]) for name in Curves.__dataclass_fields__}
     )
     return Pieces(
         path=path,

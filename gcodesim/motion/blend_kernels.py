@@ -290,9 +290,7 @@ def corners(
         kink_speed = KINK_SHARE / kink
         kind = STAND  # G61 passes only what is as good as tangent
         if blended[i]:
-            kind = round_corner(
-                i, cosine, reach, kink_speed, tolerance, tangents, axis_limits, curves, joints, room
-            )
+            kind = round_corner(i, cosine, reach, kink_speed, tolerance, tangents, axis_limits, curves, joints, room)
         joints.kind[i] = kind
         if kind in (STAND, PASS):
             joints.cap[i] = kink_speed if kind == PASS else 0.0

@@ -120,9 +120,7 @@ def times_at(boundary_piece: Column, boundary_s: Column, phases: PhaseColumns) -
     n = len(phase_piece)
     for b in range(len(boundary_s)):
         piece, s = boundary_piece[b], boundary_s[b]
-        while p + 1 < n and (
-            phase_piece[p + 1] < piece or (phase_piece[p + 1] == piece and phase_s[p + 1] <= s)
-        ):
+        while p + 1 < n and (phase_piece[p + 1] < piece or (phase_piece[p + 1] == piece and phase_s[p + 1] <= s)):
             p += 1
         if phase_piece[p] < piece or s == np.inf:  # the piece has no phase, so it takes no time; or its end is asked
             out[b] = phase_time[p] + phase_duration[p]

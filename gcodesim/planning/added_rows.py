@@ -114,9 +114,7 @@ def _with_marks(events: Sequence[PathEvent]) -> Iterator[list[PathEvent]]:
     """Events one by one, but a change together with what says when its tools are awaited and given back."""
     group: list[PathEvent] = []
     for noted in events:
-        follows = bool(group) and (
-            isinstance(group[-1].event, ToolAwaited) or isinstance(noted.event, ToolReturned)
-        )
+        follows = bool(group) and (isinstance(group[-1].event, ToolAwaited) or isinstance(noted.event, ToolReturned))
         if group and not follows:
             yield group
             group = []

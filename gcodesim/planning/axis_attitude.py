@@ -229,9 +229,7 @@ def _ranges(path: ToolPath, tool: ToolPoint, held: NDArray[np.bool_]) -> tuple[A
     return low, high
 
 
-def _caps(
-    kinematics: Kinematics, tips: TipWay, segments: Segments, q: tuple[Array, Array], findings: Findings
-) -> Caps:
+def _caps(kinematics: Kinematics, tips: TipWay, segments: Segments, q: tuple[Array, Array], findings: Findings) -> Caps:
     """Caps of the segments where the tip is commanded, and of all other pieces as blending found them."""
     pieces, held = tips.pieces, tips.held
     joints, piece, length = kinematics.joints, segments.piece, segments.length

@@ -29,7 +29,6 @@ if TYPE_CHECKING:
     from gcodesim.kinematics.protocol import Kinematics
 
 
-
 def axes_of_joints(names: Sequence[str]) -> NDArray[np.intp]:
     """Which axis of x y z a b c each joint is, by the last letter of its name; ValueError when it is not an axis."""
     return np.array([AXIS_LETTERS.index(name[-1].upper()) for name in names], dtype=np.intp)

@@ -301,9 +301,7 @@ class FixedAttitude:
             return False
         return self.branches is None or on_branches(kinematics, flange.at(nodes.piece, nodes.s), q, self.branches)
 
-    def _hit(
-        self, flange: Flange, nodes: Nodes, q: Array, status: NDArray[np.uint8]
-    ) -> tuple[str, str] | None:
+    def _hit(self, flange: Flange, nodes: Nodes, q: Array, status: NDArray[np.uint8]) -> tuple[str, str] | None:
         """What hits what first at some of the nodes; None: nothing, as far as is known."""
         some = distinct(np.rint(np.linspace(0, len(nodes) - 1, min(len(nodes), _LOOKS))).astype(np.int64))
         around = Around.at(self.obstacles, flange, nodes.piece[some], nodes.s[some]) if len(nodes) else None
@@ -357,9 +355,7 @@ class FixedAttitude:
                         report_dead_end(kinematics, straight, dense, blocked, findings)
                     return turning, solved, found, ToldEnd()
             guilty = min(chains, len(dense.chains) - 1)
-            end = dead_end(
-                kinematics, straight, dense, guilty, free=free, branches=self.branches, obstacles=obstacles
-            )
+            end = dead_end(kinematics, straight, dense, guilty, free=free, branches=self.branches, obstacles=obstacles)
             if end.obstacle is Hindrance.COLLISION or obstacles is None:
                 blocked = end
         told = ToldEnd() if blocked is None else report_dead_end(kinematics, straight, dense, blocked, findings)

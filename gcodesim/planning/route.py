@@ -129,9 +129,7 @@ def cut_through(
         X_FN = inverse_pose(bend[:1])[0]
         X = multiplied(X, X_FN)
     step = np.full(len(kinematics.joints), JUMP)
-    return chosen, Passage(
-        X_BT=X, X_FT=X_FN, free=free, step=step, around=Around.at(obstacles, flange, piece, s)
-    )
+    return chosen, Passage(X_BT=X, X_FT=X_FN, free=free, step=step, around=Around.at(obstacles, flange, piece, s))
 
 
 def _smooth(spins: Array) -> Array:

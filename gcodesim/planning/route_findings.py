@@ -93,8 +93,7 @@ def report_dead_end(
         findings.add(
             Diagnostic(
                 code="GS216",
-                message=f"no configuration of the arm leads through: {part};"
-                f" {ends} {reason}",
+                message=f"no configuration of the arm leads through: {part}; {ends} {reason}",
                 span=pieces.path.span(int(pieces.row_last[nodes.piece[end.next_node]])),
                 hint="`gcodesim place` searches a place of the part where all of it can be run",
                 value=share,

@@ -58,7 +58,6 @@ class WordsAlong:
             words[here, column] = spline.at(piece[here], s[here])[0]
         return words
 
-
     def parts(self, piece: NDArray[np.int64], step: float) -> Array:
         """How many parts (k,) of each `piece` (k,) words turn in: twice as many as there are knots where they turn,
         and so many that none turns by more than `step` [rad]."""

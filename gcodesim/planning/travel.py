@@ -40,11 +40,7 @@ def axis_ranges(path: ToolPath) -> tuple[Array, Array]:
             angle = peak + half_turns * np.pi
             u = angle / np.where(sweep == 0.0, 1.0, sweep)
             size = 1.0 + curves.growth[:, None] * u
-            at = (
-                curves.center
-                + u * curves.lift
-                + size * (cos(angle) * curves.radial + sin(angle) * curves.sideways)
-            )
+            at = curves.center + u * curves.lift + size * (cos(angle) * curves.radial + sin(angle) * curves.sideways)
             inside = (u > 0.0) & (u < 1.0)
             low[arc, :3] = np.where(inside, np.minimum(low[arc, :3], at), low[arc, :3])
             high[arc, :3] = np.where(inside, np.maximum(high[arc, :3], at), high[arc, :3])

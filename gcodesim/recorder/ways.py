@@ -70,7 +70,6 @@ class Ways:
         starts = np.cumsum(counts[rows]) - counts[rows]
         return Polylines(self.points[chosen], starts)
 
-
     def ahead(self, plan: Plan, rows: NDArray[np.bool_]) -> tuple[PathPart, ...]:
         """The paths of the rows (n,) that are true, in parts that are done one after another."""
         ends = plan.trajectory.row_end[rows]

@@ -148,9 +148,7 @@ def run_data(recording: Recording, name: str, pack: Pack) -> dict[str, Any]:
         "modes": [_modes(recording).get(file, []) for file in names],
         "replay": replay_of(recording, pack),
         "charts": [
-            _chart(chart, pack)
-            for chart in charts_of(recording, (*CHARTS, *own_fields(recording)))
-            if chart.speaks
+            _chart(chart, pack) for chart in charts_of(recording, (*CHARTS, *own_fields(recording))) if chart.speaks
         ],
         "times": _times(recording),
         "results": {

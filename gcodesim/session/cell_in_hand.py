@@ -444,6 +444,10 @@ class OpenCell:
         self._target = self._q.copy()
 
 
+Joints = str | Mapping[str, float] | ArrayLike
+"""What a script gives for joints: all of them (j,), some by name, or the name of a pose of the cell."""
+
+
 class Arm:
     """A robot, or a machine tool, of an open cell. Joint values in rad and m, in the order of `joint_names`."""
 
@@ -512,20 +516,24 @@ class Arm:
         X_WT = shop.X_WB @ X_BF @ self._X_FT()
         return X_WT.p, quaternion_from_rotation(X_WT.R)
 
-    def set_joint_position(self, q: Mapping[str, float] | ArrayLike) -> None:
-        """Where the joints are to go with the next steps: all (j,), or some by name. MisuseError beyond a limit."""
+    def set_joint_position(self, q: Joints) -> None:
+        """Where the joints are to go with the next steps: all (j,), some by name, or the name of a pose.
+
+        MisuseError beyond a limit.
+        """
         self._cell._aim(self._joints_of(q))
 
-    def move_joints(self, *vectors: Mapping[str, float] | ArrayLike) -> None:
+    def move_joints(self, *vectors: Joints) -> None:
         """Go through joint vectors from rest to rest, all joints together (PTP); returns when the last is reached.
 
+        A text is the name of one of the robot's `poses` in the cell; external axes stay where they are.
         MisuseError beyond a limit, before anything moves, and while the robot moves already.
         """
         self._cell._check_rest()
         for target in [self._joints_of(q) for q in vectors]:
             self._cell._move_joints(target)
 
-    def follow_joints(self, vectors: Sequence[Mapping[str, float] | ArrayLike], active: bool | None = None) -> None:
+    def follow_joints(self, vectors: Sequence[Joints], active: bool | None = None) -> None:
         """Go through joint vectors without a stop, and wait; `active` switches the process of the tool meanwhile.
 
         A cubic spline from rest to rest, as fast as the limits of the joints allow (`planning.joint_spline`).
@@ -576,8 +584,23 @@ class Arm:
         self.set_endeffector_pose(position, orientation)
         self._cell._move_joints(self._cell._target.copy())
 
-    def _joints_of(self, q: Mapping[str, float] | ArrayLike) -> Array:
+    @property
+    def poses(self) -> Mapping[str, Mapping[str, float]]:
+        """The named poses that the cell gives this robot: joint values [rad, m] by the names of joints."""
+        shop = self._cell._shop
+        if shop.mover.joints_are_axes:
+            return {}
+        robot = shop.cell.robots[shop.name]
+        names = robot.chain.driven_joints.names
+        return {pose: dict(zip(names, values, strict=True)) for pose, values in robot.poses.items()}
+
+    def _joints_of(self, q: Joints) -> Array:
         """All joint values (j,) that a script means; MisuseError when they are none of this robot's."""
+        if isinstance(q, str):
+            poses = self.poses
+            if q not in poses:
+                raise MisuseError(f"`{self.name}` has no pose `{q}`; it has {', '.join(poses) or 'none'}")
+            q = poses[q]
         joints = self._cell._shop.kinematics.joints
         target = self._cell._target.copy()
         if isinstance(q, Mapping):

@@ -150,9 +150,7 @@ def _obstacles(shop: Shop, systems: list[int], arm: bool) -> Postures:
         along = frozenset(body.rigid.name for body in machine.bodies if body.carrier == BASE_JOINT)
     else:
         along = standing_on(shop.cell, shop.channel, _moved(shop, systems, np.zeros(3), arm))
-    return Postures(
-        machine=machine, tools=shop.cell.tools, home=shop.home, apart=shop.cell.limits.apart, along=along
-    )
+    return Postures(machine=machine, tools=shop.cell.tools, home=shop.home, apart=shop.cell.limits.apart, along=along)
 
 
 def _moved(shop: Shop, systems: list[int], shift: Array, arm: bool) -> list[Shifted]:

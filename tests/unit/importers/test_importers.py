@@ -356,11 +356,13 @@ def package(folder: Path, model: str, limits: str, pairs: str, pose: str) -> Pat
         f"    relative_path: urdf/{model}.urdf\n"
     )
     (config / "config" / "joint_limits.yaml").write_text(limits)
+    far = 'value="9" was='
     joints = "".join(f'<joint name="joint_{k}" value="{v}"/>' for k, v in enumerate(pose.split(), start=1))
     (config / "config" / f"{model}.srdf").write_text(
         f'<?xml version="1.0"?>\n<robot name="{model}">\n'
         '<group name="arm"><chain base_link="base" tip_link="tool0"/></group>\n'
-        f'<group_state name="ready" group="arm">{joints}</group_state>\n'
+        f'<group_state name="ready" group="arm">{joints}</group_state>'
+        f'<group_state name="far" group="arm">{joints.replace("value=", far)}</group_state>\n'
         f'<virtual_joint name="fixed" type="fixed" parent_frame="world" child_link="base"/>\n{pairs}\n</robot>\n'
     )
     return config
@@ -393,8 +395,10 @@ def test_a_moveit_configuration(tmp_path: Path, model: str, pose: str) -> None:
     assert joints.speed.tolist() == pytest.approx([1.5, 2.5, 3.5, 4.5, 5.5, 6.5])
     assert joints.acceleration.tolist() == pytest.approx([1, 2, 3, 4, 5, 6])
     assert job.shop.home.tolist() == pytest.approx([float(v) for v in pose.split()], abs=1e-6)
+    assert list(job.cell.robots["arm"].poses.values()) == [tuple(job.shop.home)]
     assert job.cell.robots["arm"].allow_collisions == (("link_3", "link_6"),)
     told = [(one.setting.name, one.setting.line) for one in found.left]
+    assert "`joint_1` is outside its travel there" in [one.why for one in found.left]
     assert ("virtual_joint", 5) in told and ("disable_collisions", 7) in told
     assert ("default_velocity_scaling_factor", 1) in told
     assert sum(name.endswith("max_position") for name, _ in told) == 6
