@@ -7,7 +7,7 @@ from dataclasses import field, replace
 from functools import partial
 from math import isnan
 from pathlib import Path
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, cast
 
 import numpy as np
 
@@ -50,6 +50,7 @@ from gcodesim.units import MM, RPM
 
 if TYPE_CHECKING:
     from gcodesim.controllers import Controller
+    from gcodesim.material.revolved import Revolved
     from gcodesim.material.stock import Stock
     from gcodesim.processes.materials import Material
     from gcodesim.tools.tool import Tool
@@ -400,7 +401,7 @@ def with_stock(shop: Shop, left: Mapping[str, Path] | None = None) -> tuple[Shop
     findings = [*_undrawn(shop), *_idle_on_lathe(shop)]
     fresh: dict[str, Stock] = {}
     for name, spec in shop.cell.stocks.items():
-        made = _left(shop, name, left[name], name) if name in left else _stock(shop, name, spec)
+        made = _left(shop, name, left[name], name, spec) if name in left else _stock(shop, name, spec)
         if isinstance(made, Diagnostic):
             findings.append(made)
         else:
@@ -574,13 +575,20 @@ def _idle_on_lathe(shop: Shop) -> list[Diagnostic]:
         turns = "turning" in tool.processes
         if turns == shop.mover.lathe or not (turns or "milling" in tool.processes) or tool.kind == "drill":
             continue
-        what = "a driven mill cuts nothing from work that turns" if shop.mover.lathe else "the work does not turn"
+        if tool.is_driven:
+            continue
+        what = "it stands, unless it is driven" if shop.mover.lathe else "the work does not turn"
+        hint = (
+            "`driven: true` makes it a driven tool, against which the work stands or is turned by a C axis"
+            if shop.mover.lathe
+            else "turn with lathe tools on a lathe (`machine: lathe_xz`), mill with mills on other machines"
+        )
         findings.append(
             Diagnostic(
                 code="GS435",
                 span=shop.cell.span("tools", str(number)),
                 message=f"{tool.name} is moved but takes nothing: {what}",
-                hint="turn with lathe tools on a lathe (`machine: lathe_xz`), mill with mills on other machines",
+                hint=hint,
             )
         )
     return findings
@@ -606,6 +614,18 @@ def _undrawn(shop: Shop) -> list[Diagnostic]:
     return findings
 
 
+def _fitting(shop: Shop, name: str, stock: Stock, spec: StockSpec) -> Stock | Diagnostic:
+    """What an earlier run left, as this machine needs it: what a lathe has turned stands in columns on a mill."""
+    if not hasattr(stock, "profile"):
+        return stock
+    turned = cast("Revolved", stock)
+    if shop.mover.lathe:
+        return _for_driven_tools(shop, name, turned, spec.resolution)
+    low, high = stock.bounds
+    turned.milling_cell = spec.resolution or default_resolution(shop.cell, tuple((high - low).tolist()))
+    return turned.in_columns()
+
+
 def _upright(shop: Shop, stock: Stock, X_WS: Pose) -> Stock:
     """The stock with its columns along the axis of S that points to the spindle; most stocks are like that anyway."""
     from gcodesim.material.turning import turn_for, turned
@@ -624,12 +644,12 @@ def _material_named(cell: Cell, name: str) -> Material | None:
     return cell.materials.get(name) or LIBRARY.get(name)
 
 
-def _left(shop: Shop, name: str, path: Path, said: str) -> Stock | Diagnostic:
+def _left(shop: Shop, name: str, path: Path, said: str, spec: StockSpec) -> Stock | Diagnostic:
     """The stock that an earlier run left in a file; `said` is how the cell calls where that is."""
     from gcodesim.material.stock_file import StockFileError, load_stock
 
     try:
-        return load_stock(path)
+        return _fitting(shop, name, load_stock(path), spec)
     except (OSError, StockFileError) as fault:  # it was there when the cell was read
         return Diagnostic(
             code="GS410",
@@ -642,10 +662,9 @@ def _left(shop: Shop, name: str, path: Path, said: str) -> Stock | Diagnostic:
 def _stock(shop: Shop, name: str, spec: StockSpec) -> Stock | Diagnostic:
     from gcodesim.material.stock import Stock, finest_resolution, memory_needed
 
-    span = shop.cell.span("stock", name, "resolution")
     shape = spec.shape
     if isinstance(shape, Leftover):
-        return _left(shop, name, shape.path, shape.name)
+        return _left(shop, name, shape.path, shape.name, spec)
     if shop.mover.lathe:
         return _revolved(shop, name, spec)
     lower, upper = bounds_of(shape)
@@ -653,17 +672,7 @@ def _stock(shop: Shop, name: str, spec: StockSpec) -> Stock | Diagnostic:
     resolution = spec.resolution or default_resolution(shop.cell, size)
     needed = memory_needed(size, resolution)
     if needed > MEMORY_BUDGET:
-        finest = finest_resolution(size, MEMORY_BUDGET)
-        return Diagnostic(
-            code="GS411",
-            span=span,
-            message=f"stock `{name}` at {resolution / MM:g} mm needs {needed / 2**30:.3g} GiB ({needed} bytes); "
-            f"{MEMORY_BUDGET / 2**30:.3g} GiB are allowed",
-            value=float(needed),
-            limit=float(MEMORY_BUDGET),
-            unit="B",
-            hint=f"the finest resolution that fits is {finest / MM:g} mm",
-        )
+        return _too_fine(shop, name, resolution, needed, finest_resolution(size, MEMORY_BUDGET))
     material = spec.material or ""
     if isinstance(shape, Box) and spec.heights is not None:
         from gcodesim.material.warped import Tops, warped_box
@@ -678,6 +687,20 @@ def _stock(shop: Shop, name: str, spec: StockSpec) -> Stock | Diagnostic:
     from gcodesim.material.mesh import stock_of_mesh
 
     return stock_of_mesh(*read_mesh(shape.path, shape.scale), resolution, material)
+
+
+def _too_fine(shop: Shop, name: str, resolution: float, needed: int, finest: float) -> Diagnostic:
+    """GS411 for a stock whose columns do not fit into memory."""
+    return Diagnostic(
+        code="GS411",
+        span=shop.cell.span("stock", name, "resolution"),
+        message=f"stock `{name}` at {resolution / MM:g} mm needs {needed / 2**30:.3g} GiB ({needed} bytes); "
+        f"{MEMORY_BUDGET / 2**30:.3g} GiB are allowed",
+        value=float(needed),
+        limit=float(MEMORY_BUDGET),
+        unit="B",
+        hint=f"the finest resolution that fits is {finest / MM:g} mm",
+    )
 
 
 def _revolved(shop: Shop, name: str, spec: StockSpec) -> Stock | Diagnostic:
@@ -704,15 +727,36 @@ def _revolved(shop: Shop, name: str, spec: StockSpec) -> Stock | Diagnostic:
             message=f"the bore of stock `{name}` is as wide as the bar",
             hint="`bore` is the diameter of the hole",
         )
-    return Revolved.bar(
+    stock = Revolved.bar(
         shape.radius,
         shape.bottom,
         shape.top,
         bore=bore,
-        resolution=spec.resolution,
+        resolution=None if _is_driven_at(shop) else spec.resolution,
         material=spec.material or "",
         guards=guards_of(spec.chuck, spec.tailstock, shape.bottom, shape.top, shape.radius),
     )
+    return _for_driven_tools(shop, name, stock, spec.resolution)
+
+
+def _is_driven_at(shop: Shop) -> bool:
+    """Whether the cell has driven tools; then the resolution of a lathe's stock is that of their columns."""
+    return any(tool.is_driven for tool in shop.cell.tools.values())
+
+
+def _for_driven_tools(shop: Shop, name: str, stock: Revolved, resolution: float | None) -> Stock | Diagnostic:
+    """The stock of a lathe with the cell of the columns that driven tools cut."""
+    from gcodesim.material.round_columns import finest_columns, memory_of_columns
+
+    if not _is_driven_at(shop):
+        return stock
+    low, high = stock.bounds
+    size = tuple((high - low).tolist())
+    stock.milling_cell = resolution or default_resolution(shop.cell, size)
+    needed = memory_of_columns(size, stock.milling_cell)
+    if needed <= MEMORY_BUDGET:
+        return stock
+    return _too_fine(shop, name, stock.milling_cell, needed, finest_columns(size, MEMORY_BUDGET))
 
 
 def default_resolution(cell: Cell, size: tuple[float, float, float]) -> float:

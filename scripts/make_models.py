@@ -584,6 +584,37 @@ LATHE = Model(
     ),
 )
 
+LATHE_C = Model(
+    name="lathe_xyzc",
+    source="A typical lathe with a C axis, a Y axis and driven tools, nobody's product; base M on the spindle nose.",
+    colour=(0.75, 0.78, 0.82),
+    axes=(
+        Axis(ORIGIN, X, -0.05, 0.25, 0.25, 0.0, 3.0, "X", "prismatic"),
+        Axis(ORIGIN, Y, -0.05, 0.05, 0.2, 0.0, 3.0, "Y", "prismatic"),
+        Axis(ORIGIN, Z, 0.0, 1.1, 0.4, 0.0, 3.0, "Z", "prismatic"),
+    ),
+    flange=ORIGIN,
+    flange_rpy=(math.pi, 0, 0),
+    bodies=(
+        (
+            Block((-0.4, -0.25, -0.5), (0.2, 0.25, -0.06)),
+            Block((-0.4, -0.25, -0.5), (-0.3, 0.25, 1.2)),
+        ),
+        (Block((0.2, -0.11, 0.12), (0.28, 0.11, 1.2)),),
+        (Block((0.16, -0.06, 0.12), (0.2, 0.06, 0.5)),),
+        (Block((0.03, -0.06, 0.0), (0.16, 0.06, 0.12)),),
+    ),
+    table=(Axis(ORIGIN, Z, 0, 0, 600, 0.0, math.radians(3000), "C", "continuous"),),
+    table_bodies=((Tube((0, 0, -0.06), ORIGIN, 0.08),),),
+    masses=(
+        box_mass(2000.0, (-0.4, -0.25, -0.5), (0.2, 0.25, 1.2), remark="mass and inertia assumed"),
+        box_mass(200.0, (0.2, -0.11, 0.12), (0.28, 0.11, 1.2), remark="mass and inertia assumed"),
+        box_mass(60.0, (0.16, -0.06, 0.12), (0.2, 0.06, 0.5), remark="mass and inertia assumed"),
+        box_mass(80.0, (0.03, -0.06, 0.0), (0.16, 0.06, 0.12), remark="mass and inertia assumed"),
+        box_mass(60.0, (-0.08, -0.08, -0.06), (0.08, 0.08, 0.0), remark="mass and inertia assumed"),
+    ),
+)
+
 GANTRY = Model(
     name="gantry_xyz",
     source="A typical three-axis router, nobody's product; base M at the travel corner, flange on the spindle nose.",
@@ -652,7 +683,7 @@ TRUNNION = Model(
     ),
 )
 
-MODELS = (KR10, KR210, UR10E, GANTRY, LATHE, IRB1200, IRB6700, M20IA, TX2, KR10_SIXX, TRUNNION)
+MODELS = (KR10, KR210, UR10E, GANTRY, LATHE, LATHE_C, IRB1200, IRB6700, M20IA, TX2, KR10_SIXX, TRUNNION)
 
 
 def main() -> None:

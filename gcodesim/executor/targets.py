@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from functools import partial
 from itertools import product
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +20,8 @@ from gcodesim.solids import Solid, triangles_of
 if TYPE_CHECKING:
     from gcodesim.material.film import BodyFilm, Shades
     from gcodesim.material.loose import Parting
+    from gcodesim.material.revolved import Revolved
+    from gcodesim.material.stock import Stock
     from gcodesim.processes.materials import Material
     from gcodesim.processes.protocol import ActsOn
 
@@ -65,6 +67,8 @@ def targets_of(shop: Shop, acts_on: ActsOn) -> list[TaskTarget]:
         return [StockTarget(placed, grows) for placed in shop.stocks.values() if not placed.revolved]
     if acts_on == "revolved":
         return [StockTarget(placed) for placed in shop.stocks.values() if placed.revolved]
+    if acts_on == "milled":
+        return [MilledTarget(placed) for placed in shop.stocks.values() if placed.revolved]
     if acts_on == "surface":
         skins = [SkinTarget(placed, coated=shop.coated.get(placed.frame)) for placed in shop.stocks.values()]
         known = {skin.frame for skin in skins}
@@ -113,14 +117,20 @@ class StockTarget:
     @property
     def parting(self) -> Parting | None:
         """Who watches for pieces that come loose; None where nothing falls: a lathe has its own way."""
-        if self.placed.revolved:
-            return None
-        stock = self.placed.stock
-        if stock.parting is None:
-            from gcodesim.material.loose import Parting
+        return None if self.placed.revolved else _parting_of(self.placed.stock)
 
-            stock.parting = Parting(stock)
-        return stock.parting
+
+@frozen(kw_only=False, eq=False)
+class MilledTarget(StockTarget):
+    """The stock of a lathe for a driven tool: its columns, which are made when such a tool first comes near."""
+
+    @property
+    def given(self) -> Any:
+        return cast("Revolved", self.placed.stock).in_columns()
+
+    @property
+    def parting(self) -> Parting:
+        return _parting_of(self.given)
 
 
 @frozen(kw_only=False, eq=False)
@@ -248,6 +258,15 @@ class NoTarget:
 
     def memento(self) -> Callable[[], None]:
         return _nothing_to_put_back
+
+
+def _parting_of(stock: Stock) -> Parting:
+    """Who watches this stock for pieces that come loose."""
+    if stock.parting is None:
+        from gcodesim.material.loose import Parting
+
+        stock.parting = Parting(stock)
+    return stock.parting
 
 
 def _nothing_to_put_back() -> None:

@@ -131,6 +131,11 @@ class Tasks:
                 yield Task(tool=tool, target=target, process=process, state=process.begin())
             if variant.acts_on != "stock":
                 continue
+            if tool.is_driven:
+                for target in targets_of(self.shop, "milled"):
+                    process = variant.of(tool, target.material)
+                    yield Task(tool=tool, target=target, process=process, state=process.begin())
+                continue
             for target in targets_of(self.shop, "revolved"):
                 turning = variant.of_revolved(tool, target.material)
                 if turning is not None:  # else GS435 says so

@@ -108,6 +108,13 @@ _SHIPPED: Final = {
             stiffness=_STIFF_200_KG,
             stiffness_source=_SCALED,
         ),
+        ShippedModel(
+            name="lathe_xyzc",
+            title="lathe with C axis, Y axis and driven tools",
+            kind="machine",
+            home=(0.15, 0.0, 0.6, 0.0),
+            lathe=True,
+        ),
         ShippedModel(name="lathe_xz", title="two-axis lathe", kind="machine", home=(0.15, 0.6), lathe=True),
         ShippedModel(
             name="mill_xyzac_trunnion",

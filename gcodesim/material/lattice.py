@@ -66,7 +66,7 @@ def ensure_lattice(stock: Stock) -> Lattice:
     start = None if stock.exact is None else (stock.exact((1, 2, 0)), stock.exact((2, 0, 1)))
     if start is None or not _is_untouched(stock):
         made = (_rows_along_x(stock), _rows_along_y(stock))
-        now = made if start is None else (_both(start[0], made[0]), _both(start[1], made[1]))
+        now = made if start is None else (both_of(start[0], made[0]), both_of(start[1], made[1]))
         start = start or made
     else:
         now = start
@@ -112,8 +112,8 @@ def _rows_along_y(stock: Stock) -> Lines:
     return order, Grid(stock.z_range[0], own.x, grid.dx, own.dx)
 
 
-def _both(one: Lines, other: Lines) -> Lines:
-    """What is in material in both of two sets of columns."""
+def both_of(one: Lines, other: Lines) -> Lines:
+    """What is in material in both of two sets of columns on the same grid."""
     from gcodesim.material.line_kernels import common_columns
 
     a, b = one[0], other[0]
@@ -122,7 +122,7 @@ def _both(one: Lines, other: Lines) -> Lines:
     made = Columns(np.zeros(shape), np.zeros(shape), np.zeros(a.number.shape, np.int32))
     common_columns(a, Columns(*map(np.ascontiguousarray, b)), made)
     k = max(1, int(made.number.max()))
-    return Columns(made.lo[:, :, :k], made.hi[:, :, :k], made.number), one[1]
+    return Columns(*map(np.ascontiguousarray, (made.lo[:, :, :k], made.hi[:, :, :k], made.number))), one[1]
 
 
 def sweep(stock: Stock, way: AxisWay, slabs: Array, fields: Iterable[int]) -> Array:

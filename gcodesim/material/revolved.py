@@ -13,11 +13,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gcodesim.arithmetic.elementary import cos, sin
 from gcodesim.frozen import frozen
 from gcodesim.material.field_kernels import Array, Ints
 from gcodesim.material.revolved_kernels import area_steps, label_rings, profile_volume
+from gcodesim.material.round_columns import in_columns, within
 from gcodesim.material.stock import Stock
 from gcodesim.material.surface import Facets, Surface, Tile
 
@@ -29,6 +31,12 @@ AROUND: Final = 96
 
 DRAWN: Final = 5.0e-6
 """By how much [m] a drawn profile may be beside the real one."""
+
+ALONG: Final = 160
+"""Columns along the longest side by which the log draws what driven tools have cut."""
+
+MILLING_CELL: Final = 0.2e-3
+"""How far [m] columns for driven tools are apart where nobody says."""
 
 FINEST: Final = 1.0e-5
 MOST_DISCS: Final = 40_000
@@ -51,6 +59,21 @@ class Profile(NamedTuple):
         """[m³]"""
         return float(profile_volume(self.lo, self.hi, self.number, self.dz))
 
+    @property
+    def top(self) -> float:
+        """Where the last disc ends [m]."""
+        return self.z + self.dz * len(self.number)
+
+    def heights(self, begins: NDArray[np.int64]) -> Array:
+        """Where runs of discs that begin so begin (n + 1,) [m], and where the last of them ends."""
+        ends: Array = self.z + self.dz * np.append(begins, len(self.number))
+        return ends
+
+    def same(self, other: Profile) -> bool:
+        """Whether both are the same body."""
+        pairs = ((self.lo, other.lo), (self.hi, other.hi), (self.number, other.number))
+        return all(np.array_equal(one, another) for one, another in pairs)
+
     def wider(self) -> Profile:
         """The same with room for twice as many rings."""
         empty = np.zeros_like(self.lo)
@@ -59,11 +82,15 @@ class Profile(NamedTuple):
 
 @frozen(eq=False)
 class LoosePiece:
-    """What fell off: its profile, volume [m³], and from where to where along Z [m]."""
+    """What fell off: its profile, volume [m³], and from where to where along Z [m].
+
+    `milled`: the same in columns, where driven tools have cut it.
+    """
 
     profile: Profile
     volume: float
     z_range: tuple[float, float]
+    milled: Stock | None = None
 
 
 @frozen
@@ -81,9 +108,13 @@ def disc_thickness(length: float, wanted: float | None) -> float:
 
 
 class Revolved(Stock):
-    """A bar or tube in a chuck, which holds it at its least z."""
+    """A bar or tube in a chuck, which holds it at its least z.
 
-    __slots__ = ("_full", "fallen", "guards", "last_fall", "profile", "thread")
+    `milled` is the same in columns, from the first cut of a driven tool on, for the profile `milled_of`: the part is
+    what lies in both. Columns are at most `milling_cell` [m] apart.
+    """
+
+    __slots__ = ("_full", "fallen", "guards", "last_fall", "milled", "milled_of", "milling_cell", "profile", "thread")
 
     def __init__(self, *, profile: Profile, radius: float, material: str = "", guards: Sequence[Guard] = ()) -> None:
         self.profile = profile
@@ -97,6 +128,9 @@ class Revolved(Stock):
         self.lattice = None
         self.exact = None
         self._full = radius
+        self.milling_cell = MILLING_CELL
+        self.milled: Stock | None = None
+        self.milled_of = profile
 
     @classmethod
     def bar(
@@ -134,18 +168,47 @@ class Revolved(Stock):
         if not loose.any():
             return None
         fallen, kept = _only(profile, loose), _only(profile, used & (mark == 1))
+        milled = None if self.milled is None else within(self.milled, fallen, self._full)
         self.profile = kept
         if self.thread is not None:
             self.thread = _within(self.thread, kept)
         at = np.flatnonzero(fallen.number)
         piece = LoosePiece(
             profile=fallen,
-            volume=fallen.volume,
+            milled=milled,
+            volume=fallen.volume if milled is None else milled.volume,
             z_range=(profile.z + float(at[0]) * profile.dz, profile.z + float(at[-1] + 1) * profile.dz),
         )
         self.fallen.append(piece)
         self.last_fall = True
         return piece
+
+    def in_columns(self) -> Stock:
+        """What is in the chuck in columns, for a driven tool to cut; from then on it is no body of revolution."""
+        if self.milled is None:
+            self.milled = in_columns(self.profile, self._full, self.milling_cell, self.material)
+        elif not self.milled_of.same(self.profile):
+            self.milled = within(self.milled, self.profile, self._full)
+        else:
+            return self.milled
+        self.milled_of = self.profile.copy()
+        return self.milled
+
+    @property
+    def all_volume(self) -> float:
+        """What is in the chuck and what fell off [m³]."""
+        return self._held + sum(piece.volume for piece in self.fallen)
+
+    @property
+    def _held(self) -> float:
+        return self.profile.volume if self.milled is None else self.in_columns().volume
+
+    @property
+    def _milled(self) -> list[Stock]:
+        """The finished part in columns; none where no driven tool has cut."""
+        if self._parted:
+            return [piece.milled for piece in self.fallen if _is_part(piece, self) and piece.milled is not None]
+        return [] if self.milled is None else [self.in_columns()]
 
     def thread_section(self) -> Profile:
         """The section in which threads are cut; the profile itself until the first one."""
@@ -170,7 +233,7 @@ class Revolved(Stock):
     @property
     def in_chuck(self) -> float:
         """What the chuck still holds after parting [m³]; 0 when the part itself is in the chuck."""
-        return self.profile.volume if self._parted else 0.0
+        return self._held if self._parted else 0.0
 
     @property
     def scrap(self) -> float:
@@ -182,11 +245,14 @@ class Revolved(Stock):
 
     @property
     def volume(self) -> float:
-        return float(sum(profile.volume for profile in self.finished))
+        if self._parted:
+            return sum(piece.volume for piece in self.fallen if _is_part(piece, self))
+        return self._held
 
     def error_bound(self) -> float:
-        """Half a disc at every step between sections, beyond those of the stock as it was."""
-        return float(sum(0.5 * p.dz * area_steps(p.lo, p.hi, p.number) for p in self.finished) if self.changed else 0.0)
+        """Half a disc at every step between sections, beyond those of the stock as it was; and that of driven tools."""
+        turned = sum(0.5 * p.dz * area_steps(p.lo, p.hi, p.number) for p in self.finished) if self.changed else 0.0
+        return float(turned) + sum(stock.error_bound() for stock in self._milled)
 
     @property
     def changed(self) -> bool:
@@ -235,9 +301,13 @@ class Revolved(Stock):
         profile = self.profile.copy()
         thread = None if self.thread is None else self.thread.copy()
         fallen, last = list(self.fallen), self.last_fall
+        milled, its, again = self.milled, self.milled_of, None if self.milled is None else self.milled.memento()
 
         def restore() -> None:
             self.profile = profile.copy()
+            self.milled, self.milled_of = milled, its
+            if again is not None:
+                again()
             self.thread = None if thread is None else thread.copy()
             self.fallen, self.last_fall = list(fallen), last
 
@@ -247,10 +317,12 @@ class Revolved(Stock):
         twin = Revolved(profile=self.profile.copy(), radius=self._full, material=self.material, guards=self.guards)
         twin.thread = None if self.thread is None else self.thread.copy()
         twin.fallen, twin.last_fall = list(self.fallen), self.last_fall
+        twin.milled, twin.milled_of = None if self.milled is None else self.milled.copy(), self.milled_of.copy()
+        twin.milling_cell = self.milling_cell
         return twin
 
     def piece_volumes(self) -> Array:
-        return np.array([self.profile.volume, *(piece.volume for piece in self.fallen)])
+        return np.array([self._held, *(piece.volume for piece in self.fallen)])
 
     def relief(self) -> Relief:
         """The profile as heights: the outer radius of each disc."""
@@ -274,9 +346,20 @@ class Revolved(Stock):
         return [_thinned(loop, tolerance) for loop in _loops(profile)]
 
     def surface(self, spacing: float | None = None) -> Surface:
-        """The closed surface of the finished part, with threads left out; circles have 96 corners."""
-        del spacing
-        return self._skin(self.finished)
+        """The closed surface of the finished part, with threads left out; circles have 96 corners.
+
+        Where driven tools have cut, it comes from columns that are about `spacing` [m] apart (default: all of them).
+        """
+        milled = self._milled
+        if not milled:
+            return self._skin(self.finished)
+        skins = [stock.surface(0.0 if spacing is None else max(spacing, stock.cell)) for stock in milled]
+        ends = np.cumsum([0, *(len(skin.vertices) for skin in skins)])
+        return Surface(
+            vertices=np.concatenate([skin.vertices for skin in skins]),
+            faces=np.concatenate([skin.faces + at for skin, at in zip(skins, ends[:-1], strict=True)]).astype(np.int32),
+            cut=np.concatenate([skin.cut for skin in skins]),
+        )
 
     def _skin(self, profiles: Sequence[Profile]) -> Surface:
         points, faces, count = [], [], 0
@@ -477,10 +560,19 @@ class _RevolvedTiles:
         return self.changed().draw()
 
     def changed(self) -> _RevolvedGlimpse:
-        return _RevolvedGlimpse(self, self._stock.profile.copy())
+        stock = self._stock
+        if stock.milled is None:
+            return _RevolvedGlimpse(self, stock.profile.copy(), None)
+        columns = stock.in_columns()
+        low, high = stock.bounds
+        return _RevolvedGlimpse(
+            self, stock.profile, columns.surface(max(columns.cell, float((high - low).max()) / ALONG))
+        )
 
-    def draw(self, profile: Profile) -> list[Tile]:
+    def draw(self, profile: Profile, milled: Surface | None) -> list[Tile]:
         """The tile, unless it looks as before."""
+        if milled is not None:
+            return self._draw_milled(milled)
         state = profile.lo.tobytes() + profile.hi.tobytes() + profile.number.tobytes()
         if state == self._before:
             return []
@@ -491,11 +583,21 @@ class _RevolvedTiles:
         raw = bool((profile.number == 1).all() and np.ptp(profile.hi[:, 0]) == 0.0)
         return [Tile(number=0, original=drawn if raw else empty, changed=empty if raw else drawn)]
 
+    def _draw_milled(self, skin: Surface) -> list[Tile]:
+        """The tile of a part that driven tools have cut, what they made apart from the rest."""
+        state = skin.vertices.tobytes() + skin.faces.tobytes()
+        if state == self._before:
+            return []
+        self._before = state
+        turned, cut = (Facets(points=skin.vertices, triangles=skin.faces[skin.cut == k]) for k in (0, 1))
+        return [Tile(number=0, original=turned, changed=cut)]
+
 
 @frozen(kw_only=False, eq=False)
 class _RevolvedGlimpse:
     tiles: _RevolvedTiles
     profile: Profile
+    milled: Surface | None
 
     def draw(self) -> list[Tile]:
-        return self.tiles.draw(self.profile)
+        return self.tiles.draw(self.profile, self.milled)

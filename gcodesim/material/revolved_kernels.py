@@ -186,3 +186,74 @@ def area_steps(lo: Array, hi: Array, number: Ints) -> float:
             total += abs(area - before)
         before = area
     return np.pi * total
+
+
+@kernel
+def columns_along(radii: Array, lo: Array, hi: Array, number: Ints, z: Array) -> tuple[Array, Array, Ints]:
+    """Intervals along Z at some distances (m,) from the axis: lo, hi (m, k) [m] and how many of them (m,) are used.
+
+    `lo`, `hi`, `number` are the rings of n runs of equal discs, run j from z[j] to z[j + 1].
+    """
+    m, n = len(radii), len(number)
+    count = np.zeros(m, dtype=np.int32)
+    most = 1
+    for p in range(m):
+        inside = False
+        for j in range(n):
+            here = _in_rings(lo, hi, number, j, radii[p])
+            count[p] += here and not inside
+            inside = here
+        most = max(most, count[p])
+    first, last = np.zeros((m, most)), np.zeros((m, most))
+    for p in range(m):
+        inside, i = False, -1
+        for j in range(n):
+            here = _in_rings(lo, hi, number, j, radii[p])
+            if here and not inside:
+                i += 1
+                first[p, i] = z[j]
+            if here:
+                last[p, i] = z[j + 1]
+            inside = here
+    return first, last, count
+
+
+@kernel(lean=True, inlined=True)
+def _in_rings(lo: Array, hi: Array, number: Ints, j: int, r: float) -> bool:
+    inside = False
+    for i in range(number[j]):
+        inside = inside or lo[j, i] <= r < hi[j, i]
+    return inside
+
+
+@kernel
+def columns_across(
+    lo: Array, hi: Array, number: Ints, z: float, dz: float, beside: Array, heights: Array
+) -> tuple[Array, Array, Ints]:
+    """Intervals across the axis, at distances (a,) beside it and at heights (b,): lo, hi (a, b, k) [m], number (a, b).
+
+    Discs are those of a profile, `dz` thick from `z` on.
+    """
+    a, b, k = len(beside), len(heights), max(1, 2 * lo.shape[1])
+    first, last = np.zeros((a, b, k)), np.zeros((a, b, k))
+    count = np.zeros((a, b), dtype=np.int32)
+    for q in range(b):
+        j = min(max(int(np.floor((heights[q] - z) / dz)), 0), len(number) - 1)
+        rings = number[j]
+        for p in range(a):
+            n, aside = 0, beside[p] * beside[p]
+            for side in range(2):
+                for s in range(rings):
+                    i = rings - 1 - s if side == 0 else s
+                    outer, inner = hi[j, i] * hi[j, i] - aside, lo[j, i] * lo[j, i] - aside
+                    if outer <= 0.0:
+                        continue
+                    far, near = np.sqrt(outer), np.sqrt(max(inner, 0.0))
+                    if inner > 0.0:
+                        first[p, q, n], last[p, q, n] = (-far, -near) if side == 0 else (near, far)
+                        n += 1
+                    elif side == 0:  # across the middle
+                        first[p, q, n], last[p, q, n] = -far, far
+                        n += 1
+            count[p, q] = n
+    return first, last, count

@@ -4,6 +4,7 @@ A process acts on targets, with one `Task` for each; `acts_on` names their sort:
 
 - `stock`: each stock of the cell in turn, a `material.Stock`, which the process may change in place;
 - `revolved`: the same for the stock of a lathe, a `material.revolved.Revolved`; it is no `stock`;
+- `milled`: what a process on `stock` gets of the stock of a lathe where its tool is driven: its columns;
 - `surface`: the skin of each stock, and of each other body that is to be coated, in turn: a `Skin`, which can be
   looked at but not cut. Where the cell has a spray gun it is a `CoatedSkin`;
 - `bodies`: everything in the cell that does not move by itself, all at once, as a tuple of `SolidBody`;
@@ -40,7 +41,7 @@ UP: Final = np.array([0.0, 0.0, 1.0])
 UPRIGHT: Final = 1e-6
 """[-] by which the axis of a tool may differ from upright and still be called so: an arm says no more of it."""
 
-ActsOn = Literal["stock", "revolved", "surface", "bodies", "parts", "nothing"]
+ActsOn = Literal["stock", "revolved", "milled", "surface", "bodies", "parts", "nothing"]
 
 
 class Skin(Protocol):

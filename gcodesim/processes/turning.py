@@ -3,7 +3,8 @@
 The profile of revolution is exact whatever the feed is; marks of the feed are left out. Forces come from elements of
 the edges: h = f (u · n) with the feed f of a turn along u, force per width by the law of the material (Kienzle 1952);
 their widths are scaled so that the section of all chips is what is removed over the way of the cut. Main, feed and
-passive force follow from the direction of each element, and with it from the lead angle.
+passive force follow from the direction of each element, and with it from the lead angle. Where a driven tool has cut
+before, the force is that of a full turn, without the knocks of an interrupted cut.
 """
 
 from __future__ import annotations
@@ -51,6 +52,9 @@ _FIRST: Final = 0.02e-3
 _GROWS: Final = 1.15
 _MOST: Final = 0.25e-3
 """Elements of an edge [m]: the first at the nose, how much longer each next one is, and the longest."""
+
+ON_PLANE: Final = 1e-9
+"""Distance [m] from the plane y = 0 of S within which a tool counts as in it."""
 
 
 @frozen(slots=False, eq=False)
@@ -133,6 +137,7 @@ class Turning(Process):
             return ProcessStep.free(n)
         out = np.zeros((n, kernels.OUTPUTS))
         blade, way = self._blade(stock), _way_of(window)
+        whole = None if stock.milled is None else stock.all_volume
         room = len(self.outline) + max(len(self.shank), 4) + 8
         hull, scratch = np.zeros((2 * room, 2)), np.zeros((room, 2))
         done = 0
@@ -146,6 +151,9 @@ class Turning(Process):
             if news:
                 _settle(stock)
         stock.drop_loose()
+        if whole is not None and out[:, kernels.REMOVED].any():
+            # the profile is that of the whole turn: where a driven tool has been, part of it was gone already
+            out[:, kernels.REMOVED] *= (whole - stock.all_volume) / out[:, kernels.REMOVED].sum()
         turned = out[:, kernels.TORQUE] * 2.0 * pi * way.spindle
         columns = {
             "removed": out[:, kernels.REMOVED],
@@ -268,21 +276,36 @@ def _lathe_of(stock: Revolved, threads: bool) -> Discs:
     )
 
 
+def _half_plane(window: Window) -> tuple[Array, Array]:
+    """Where pieces begin and end as (c, 2) (z, x) in the plane in which the tool moves, however far a C axis has
+
+    turned S: the side of the tool, which turns with it, says where that plane is.
+    """
+    start, end = window.piece_start, window.piece_end
+    x, y = np.stack([start[:, 0], end[:, 0]]), np.stack([start[:, 1], end[:, 1]])
+    if window.side is not None and (np.abs(y) > ON_PLANE).any():
+        side = window.side[window.piece_step]
+        outwards = x * side[:, 0] + y * side[:, 1]
+        x = np.where(np.abs(y) > ON_PLANE, outwards if outwards.sum() >= 0.0 else -outwards, x)
+    points = np.stack([np.stack([start[:, 2], end[:, 2]]), x], axis=2)
+    return points[0], points[1]
+
+
 def _way_of(window: Window) -> BladeWay:
     from gcodesim.processes.turning_kernels import BladeWay
 
     cap = np.abs(window.signals[SPINDLE.name]) / (2.0 * pi)
     surface = window.signals[SURFACE_SPEED.name]
-    start, end, step = window.piece_start, window.piece_end, window.piece_step
+    (start, end), step = _half_plane(window), window.piece_step
     count = np.bincount(step, minlength=window.steps)
-    middle = np.bincount(step, 0.5 * np.abs(start[:, 0] + end[:, 0]), window.steps)
+    middle = np.bincount(step, 0.5 * np.abs(start[:, 1] + end[:, 1]), window.steps)
     radius: Array = middle / np.maximum(count, 1)
     with np.errstate(divide="ignore", over="ignore"):
         by_surface = surface / (2.0 * pi * np.maximum(radius, 1e-12))
     share = window.piece_share
     return BladeWay(
-        start=np.ascontiguousarray(start[:, [2, 0]]),
-        end=np.ascontiguousarray(end[:, [2, 0]]),
+        start=start,
+        end=end,
         step=np.ascontiguousarray(step, dtype=np.int64),
         share=np.ones(len(step)) if share is None else np.ascontiguousarray(share[:, 1] - share[:, 0]),
         speed=_speeds(window),

@@ -109,7 +109,18 @@ class Cutter(Tool):
     )
     dynamics: Dynamics | None = key(Dynamics, "its mode, for a warning of chatter", default=None)
 
+    driven: bool = key(
+        "switch",
+        "a driven tool of a lathe: S is its speed, and the work stands, or a C axis turns it",
+        default=False,
+        quiet=True,
+    )
+
     life: EdgeLife | None = key(EdgeLife, "Taylor's law of its edges, for an estimate of wear", default=None)
+
+    @property
+    def is_driven(self) -> bool:
+        return self.driven
 
     @property
     def watched(self) -> bool:

@@ -118,6 +118,11 @@ class Tool:
         return None if self.body is None else self.body.X_FT
 
     @property
+    def is_driven(self) -> bool:
+        """Whether it turns on a lathe, where other tools stand against work that turns."""
+        return False
+
+    @property
     def sensor(self) -> Sensor | None:
         """What it sees or feels with while it is on the flange, from its tip along Z; most tools are no sensor."""
         return None

@@ -142,15 +142,16 @@ CODES: tuple[Code, ...] = (
         title="Drill beside the middle",
         what="A drill on a lathe feeds into the work beside the axis of the spindle.",
         why="The work turns about that axis, so the drill is bent and breaks; the hole that is shown is too wide.",
-        remedy="Go to X0 first. Holes beside the middle need a driven tool, which is not simulated.",
+        remedy="Go to X0 first. Holes beside the middle need a driven tool: `driven: true`.",
     ),
     Code(
         code="GS435",
         severity=Severity.WARNING,
         title="Tool cuts nothing on this machine",
-        what="A mill on a lathe, or a lathe tool on a machine whose work does not turn.",
+        what="A mill on a lathe that is not driven, or a lathe tool on a machine whose work does not turn.",
         why="Its moves are run, but the material that it would take stays.",
-        remedy="Put the work of that tool into a cell of its own, with the machine that does it.",
+        remedy="Say `driven: true` for a driven tool of a lathe. Else put the work of that tool into a cell of its "
+        "own, with the machine that does it.",
     ),
     Code(
         code="GS436",
