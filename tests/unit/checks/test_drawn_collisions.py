@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 import pybullet
 import pytest
 
-from gcodesim.solids import Box, Cylinder, Hulls, Solid, Sphere
-from tests.unit.checks.drawn_collisions import Array, Case, Gap, cases, misses
+from gcodesim.checks.meetings import MovingBodies
+from gcodesim.frames import Pose
+from gcodesim.solids import Box, Cylinder, Hulls, Placed, Solid, Sphere
+from tests.unit.checks.drawn_collisions import Array, Case, Gap, cases, depth_of, misses
 
 MARGIN = 1e-6
 EXACT = 2e-4
@@ -87,6 +90,42 @@ def test_drawn_moves_meet_when_another_engine_says_so(engine: Engine) -> None:
 @pytest.mark.slow
 def test_ten_thousand_drawn_moves(engine: Engine) -> None:
     assert not wrong(engine, 10_000, 23, 300)
+
+
+def test_where_the_engine_is_less_exact_the_second_judge_decides(
+    engine: Engine, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A case of the ten thousand: pybullet stops 0.28 mm before the depth that directions find, as does the search."""
+    case = next(case for number, case in enumerate(cases(6083, 23)) if number == 6082)
+    gap = engine.gap(case)
+    deepest = min(case.bodies.search(case.way), key=lambda meeting: meeting.gap)
+    at = case.at(deepest.deepest[1])
+    assert abs(gap(at) - deepest.gap) > EXACT + 1e-3 * abs(gap(at))
+    assert depth_of(case, at) == pytest.approx(-deepest.gap, abs=1e-6)
+    assert misses(case, gap, 300, EXACT) == ""
+
+    search = MovingBodies.search
+    for wrong_by in (-1e-4, 6e-4):  # a search that were wrong is told, too deep or too shallow for both
+        monkeypatch.setattr(
+            MovingBodies,
+            "search",
+            lambda self, way, by=wrong_by: [replace(each, gap=each.gap + by) for each in search(self, way)],
+        )
+        assert misses(case, gap, 300, EXACT).startswith("deepest")
+
+
+def test_the_second_judge_knows_depths_in_closed_form() -> None:
+    """A ball beside a box, and two balls."""
+    box, ball = Box(lower=(-0.05, -0.04, -0.03), upper=(0.05, 0.04, 0.03)), Sphere(radius=0.02)
+    nowhere = np.zeros(6)
+    case = Case(moving=ball, standing=Placed(box, Pose.identity()), start=nowhere, end=nowhere)
+    at = np.eye(4)
+    at[:3, 3] = 0.045, 0.01, 0.0
+    assert depth_of(case, at) == pytest.approx(0.02 + 0.005, abs=1e-9)
+
+    case = Case(moving=ball, standing=Placed(ball, Pose.identity()), start=nowhere, end=nowhere)
+    at[:3, 3] = 0.018, 0.0, 0.024
+    assert depth_of(case, at) == pytest.approx(0.04 - 0.03, abs=1e-9)
 
 
 def test_the_cases_are_of_both_sorts() -> None:
