@@ -25,6 +25,10 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 
+AS_LONG = 1.0e-3
+"""Share of the height of its tip by which `flute_length` may be less and still mean that height: 1.866 for 1.86603."""
+
+
 def usual_length(diameter: float) -> float:
     """From tip to holder [m], where the cell does not say."""
     return max(4.0 * diameter, 40.0 * MM)
@@ -117,6 +121,12 @@ class Cutter(Tool):
     )
 
     life: EdgeLife | None = key(EdgeLife, "Taylor's law of its edges, for an estimate of wear", default=None)
+
+    def __post_init__(self) -> None:
+        Tool.__post_init__(self)
+        height = self.tip_height
+        if (1.0 - AS_LONG) * height <= self.flute_length < height:  # a cone all of whose flanks cut, as it is written
+            object.__setattr__(self, "flute_length", height)
 
     @property
     def is_driven(self) -> bool:

@@ -70,6 +70,26 @@ FAULTS = {
 }
 
 
+HASTY = """
+gcodesim: 1
+machine:
+  axes:
+    X: {travel: [0, 800], speed: 60 m/min, acceleration: ACCELERATION m/s^2}
+    Y: {travel: [0, 800], speed: 60 m/min, acceleration: ACCELERATION m/s^2}
+    Z: {travel: [-400, 0], speed: 60 m/min, acceleration: ACCELERATION m/s^2}
+work_offsets: {G54: {in: world, xyz: [400, 300, -200]}}
+stock: {min: [0, 0, -20], max: [50, 40, 0], in: G54, material: al6082_t6, resolution: 0.5}
+"""
+
+
+@pytest.mark.parametrize("acceleration", [1, 1500, 100_000])
+@pytest.mark.parametrize("gap", [0, 0.05, 0.2])
+def test_a_rapid_close_above_the_stock_is_no_fault(acceleration: float, gap: float) -> None:
+    """The shank begins 10 mm above the tip, whatever the steps of a move that is over in a moment."""
+    ways = f"G0 X-10 Y10 Z20\nG0 Z{gap}\nG0 X60 Y30\nG0 X-10 Z{gap}\nG0 Z9\nG1 Z{gap} F6000\nG0 X20 Y20\n"
+    assert misuse(HEAD + ways + TAIL, HASTY.replace("ACCELERATION", str(acceleration))).misuse == []
+
+
 @pytest.mark.parametrize("name", FAULTS)
 def test_misuse_is_one_finding_in_its_line(name: str) -> None:
     program, wanted = FAULTS[name]

@@ -82,3 +82,17 @@ def test_no_shank_without_unfluted_length():
 )
 def test_impossible_tools_say_which_key(kind, values, key):
     assert key in [name for name, _ in TOOLS[kind](**values).problems()]
+
+
+@pytest.mark.parametrize("kind", ["drill", "spot_drill", "countersink", "chamfer_mill"])
+@pytest.mark.parametrize("point", [30.0, 60.0, 118.0])
+def test_a_cone_may_be_as_long_as_its_flutes(kind: str, point: float) -> None:
+    """Cells round the height of a cone, mostly down; the cone then ends where the flutes do."""
+    height = 2.5e-3 / math.tan(math.radians(0.5 * point))
+    name = "point_angle" if kind.endswith("drill") else "angle"
+    for length in (height, math.nextafter(height, 0.0), math.floor(height * 1e6) / 1e6):
+        tool = TOOLS[kind](diameter=5e-3, length=60e-3, flute_length=length, **{name: math.radians(point)})
+        assert tool.problems() == []
+        assert tool.flute_length == pytest.approx(height, rel=1e-12)
+    short = TOOLS[kind](diameter=5e-3, length=60e-3, flute_length=0.99 * height, **{name: math.radians(point)})
+    assert [key for key, _ in short.problems()] == ["flute_length"]
