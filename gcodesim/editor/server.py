@@ -20,7 +20,9 @@ from gcodesim.editor import completion, fixes, hover, last_run, outline, paramet
 from gcodesim.editor.cell_document import CellDocument
 from gcodesim.editor.place import TextRange, column_of, range_of, units_before
 from gcodesim.editor.program_document import Choices, ProgramDocument
-from gcodesim.formatting import CannotFormatError, Style, formatted
+from gcodesim.formatting import CannotFormatError, formatted
+from gcodesim.formatting.style_file import NAME as SETTINGS
+from gcodesim.formatting.style_file import style_for
 from gcodesim.version import __version__
 
 _SLICE: Final = 400
@@ -79,7 +81,7 @@ class Server(LanguageServer):
         if document is None:
             path = Path(uris.to_fs_path(uri) or "untitled.nc")
             if path.suffix.lower() in _CELLS:
-                if not path.name.endswith(".test.yaml"):
+                if not path.name.endswith(".test.yaml") and path.name != SETTINGS:
                     self.documents[uri] = CellDocument(path, text, self.choices.allow_paths)
             else:
                 self.documents[uri] = ProgramDocument(path, text, self.choices)
@@ -362,7 +364,10 @@ def _writing(server: Server) -> None:
             return []
         source, settings = document.source, document.reading.settings
         try:  # beside the answers to other questions, since it reads the whole program twice
-            new = (await asyncio.to_thread(formatted, source, settings, Style())).program
+            style = style_for(document.path).style
+            if style is None:
+                return []  # nobody knows what the shop wants
+            new = (await asyncio.to_thread(formatted, source, settings, style)).program
         except CannotFormatError:
             return []  # the errors are shown anyway
         if new.raw == source.raw or document.source is not source:  # somebody has typed on

@@ -689,6 +689,12 @@ def _study() -> Json:
     return study_schema()
 
 
+def _settings() -> Json:
+    from gcodesim.formatting.style_file import settings_schema
+
+    return settings_schema()
+
+
 def _sweep() -> Json:
     extremes = record(
         "a figure over all runs that came to their end",
@@ -732,6 +738,7 @@ SCHEMAS: Final[dict[str, Callable[[], Json]]] = {
     "test-file": _test_file,
     "job-file": _job_file,
     "study": _study,
+    "settings": _settings,
     "sweep": _sweep,
 }
 """Schemas by name, as `gcodesim schema NAME` prints them."""

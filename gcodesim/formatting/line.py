@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Final
 
 from gcodesim.formatting.number import is_zero, number_text
-from gcodesim.formatting.style import Style, is_code, is_name, keeps_point
+from gcodesim.formatting.style import Style, is_code, is_name, is_position, keeps_point
 from gcodesim.rs274.dialects import Dialect
 from gcodesim.rs274.tokens import VERBATIM, Token
 
@@ -90,7 +90,9 @@ def _number(tokens: Sequence[Token], at: int, style: Style, dialect: Dialect) ->
     if before.kind in ("O", "COLON") or (before.kind == "LETTER" and is_name(before.text, dialect)):
         return text
     digits = style.code_digits if before.kind == "LETTER" and is_code(before.text) else 1
-    return number_text(text, keep_point=keeps_point(dialect), digits=digits)
+    letter = tokens[at - 2] if before.kind in _SIGNS and at > 1 else before
+    decimals = style.decimals if letter.kind == "LETTER" and is_position(letter.text) else None
+    return number_text(text, keep_point=keeps_point(dialect), digits=digits, decimals=decimals)
 
 
 def _says_nothing(tokens: Sequence[Token], at: int) -> bool:

@@ -101,3 +101,27 @@ def test_wrong_usage(cli, tmp_path):
     assert cli("fmt", "gone.nc").status == 2
     assert cli("fmt", "-", "p.nc").status == 2
     assert cli("fmt", "p.nc", "--renumber", "0").status == 2
+
+
+def test_the_style_of_the_folder_and_what_the_command_line_says_of_it(cli, tmp_path):
+    (tmp_path / "gcodesim.yaml").write_text("format: {case: lower, decimals: 3, code_digits: 2}\n")
+    program = tmp_path / "part.nc"
+    program.write_bytes(UGLY)
+
+    assert cli("fmt", "part.nc", "--check").status == 1
+    assert cli("fmt", "part.nc").status == 0
+    assert program.read_bytes() == b"g21 g90\ng01 x0.500 f100\nm02\n"
+    assert cli("fmt", "part.nc", "--check").status == 0
+    assert cli("fmt", "part.nc", "--case", "upper", "--decimals", "1").status == 0
+    assert program.read_bytes() == b"G21 G90\nG01 X0.5 F100\nM02\n"
+
+
+def test_a_fault_in_the_settings_leaves_programs_alone(cli, tmp_path):
+    (tmp_path / "gcodesim.yaml").write_text("format: {case: lowr}\n")
+    (tmp_path / "ugly.nc").write_bytes(UGLY)
+    outcome = cli("fmt", "ugly.nc", "--check")
+
+    assert outcome.status == 1
+    assert "gcodesim.yaml:1:16: error GS711" in outcome.out and "`lower`" in outcome.out
+    assert cli("fmt", "ugly.nc").status == 1
+    assert (tmp_path / "ugly.nc").read_bytes() == UGLY

@@ -22,7 +22,7 @@ DATA = [TOP / "tests/data" / folder for folder in ("programs", "printing", "turn
 OURS = [*SHIPPED, *(path for folder in DATA for path in programs_in(folder))]
 KINDS = [(corpus, kind) for corpus in ("rs274", "fanuc", "differences") for kind in ("valid", "invalid")]
 CORPUS = [path for corpus, kind in KINDS for path in programs(kind, corpus)]
-STYLES = (Style(), Style(spaces=False, case="lower", code_digits=2), Style(step=10, indent=0))
+STYLES = (Style(), Style(spaces=False, case="lower", code_digits=2, decimals=3), Style(step=10, indent=0))
 
 
 def settings_by_setup(path: Path) -> Settings:

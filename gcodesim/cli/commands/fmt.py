@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -43,7 +43,11 @@ def add_parser(commands: Any) -> None:
     )
     parser.add_argument("--check", action="store_true", help="write nothing; status 1 if a program would change")
     parser.add_argument("--diff", action="store_true", help="write nothing; show what would change, line by line")
-    style = parser.add_argument_group("style")
+    style = parser.add_argument_group(
+        "style",
+        "What is not given here stands under `format` in the nearest gcodesim.yaml, in the program's folder or "
+        "above up to the top of the repository.",
+    )
     style.add_argument(
         "--renumber",
         type=_step,
@@ -53,13 +57,15 @@ def add_parser(commands: Any) -> None:
         help="number the blocks that have an N anew, in steps of 10 or STEP; GOTO, M99 P and G71 P Q follow",
     )
     style.add_argument("--compact", action="store_true", help="no blanks, for controls with little memory")
-    style.add_argument("--case", choices=("upper", "lower"), default="upper", help="of letters (default: upper)")
+    style.add_argument("--case", choices=("upper", "lower"), help="of letters (default: upper)")
+    style.add_argument("--code-digits", type=int, choices=(1, 2), help="2 writes G01 and M06, 1 (default) G1 and M6")
     style.add_argument(
-        "--code-digits", type=int, choices=(1, 2), default=1, help="2 writes G01 and M06, 1 (default) G1 and M6"
+        "--decimals",
+        type=_decimals,
+        metavar="N",
+        help="at least so many digits behind the point of positions, which then all have one: 3 writes X10.500, 0 X10.",
     )
-    style.add_argument(
-        "--indent", type=_indent, default=2, metavar="N", help="blanks before bodies of O-words (default: 2)"
-    )
+    style.add_argument("--indent", type=_indent, metavar="N", help="blanks before bodies of O-words (default: 2)")
     add_cell(parser, required=False)
     add_language(parser)
     add_verdict_formats(parser)
@@ -79,6 +85,12 @@ def _indent(text: str) -> int:
     return int(text)
 
 
+def _decimals(text: str) -> int:
+    if not text.isdecimal() or int(text) > 6:
+        raise argparse.ArgumentTypeError("a number from 0 to 6 is expected")
+    return int(text)
+
+
 @dataclass
 class _Done:
     """What became of one program: in the style, or the findings for which it is left alone."""
@@ -94,19 +106,10 @@ class _Done:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    from gcodesim.formatting import Style
-
-    style = Style(
-        spaces=not arguments.compact,
-        case=arguments.case,
-        indent=arguments.indent,
-        code_digits=arguments.code_digits,
-        step=arguments.renumber,
-    )
     paths = _programs(arguments.programs)
     if arguments.format == "json" and STDIN in paths and not (arguments.check or arguments.diff):
         raise UsageError("the program of stdin goes to stdout, so that no JSON can; use --check")
-    done = [_formatted(arguments, path, style) for path in paths]
+    done = [_formatted(arguments, path) for path in paths]
     if arguments.diff:
         for one in done:
             sys.stdout.writelines(_difference(one))
@@ -138,16 +141,37 @@ def _is_hidden(path: Path) -> bool:
     return any(part.startswith(".") for part in path.parts)
 
 
-def _formatted(arguments: argparse.Namespace, path: Path, style: Style) -> _Done:
+def _style(arguments: argparse.Namespace, settings: Style) -> Style:
+    """The style of the settings, in which the command line has the last word."""
+    said = {
+        "spaces": False if arguments.compact else None,
+        "case": arguments.case,
+        "indent": arguments.indent,
+        "code_digits": arguments.code_digits,
+        "decimals": arguments.decimals,
+        "step": arguments.renumber,
+    }
+    return replace(settings, **{name: value for name, value in said.items() if value is not None})
+
+
+def _formatted(arguments: argparse.Namespace, path: Path) -> _Done:
     from gcodesim.cli.language import reading_of
     from gcodesim.diagnostics import Severity
     from gcodesim.formatting import CannotFormatError, formatted
+    from gcodesim.formatting.style_file import style_for
 
     reading = reading_of(arguments, path)
+    settings = style_for(path)
+    if settings.source is not None:
+        reading.sources[settings.source.name] = settings.source
+    if settings.style is None:
+        return _Done(path, reading, None, list(settings.findings))
     if reading.run is None:
         return _Done(path, reading, None, [one for one in reading.before if one.level >= Severity.ERROR])
     try:
-        return _Done(path, reading, formatted(reading.program, reading.run.settings, style), [])
+        return _Done(
+            path, reading, formatted(reading.program, reading.run.settings, _style(arguments, settings.style)), []
+        )
     except CannotFormatError as error:
         return _Done(path, reading, None, list(error.findings))
 

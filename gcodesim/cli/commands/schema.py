@@ -12,7 +12,7 @@ from gcodesim.cli.outline import may_be
 
 NAMES = (
     *("results", "setups", "findings", "test", "mutants", "diff", "canon", "process", "optimise", "baseline", "info"),
-    *("cell", "test-file", "job-file", "study", "sweep"),
+    *("cell", "test-file", "job-file", "study", "settings", "sweep"),
 )
 """Those of `SCHEMAS`, which help and completion need not load."""
 
@@ -23,8 +23,8 @@ def add_parser(commands: Any) -> None:
         help="the JSON Schema of results, findings, verdicts, cells …",
         description="Print a JSON Schema (2020-12). results: results.json and what run and check print as JSON; "
         "setups: setups.json; findings: lint and cell validate; test, diff, canon, process, optimise, info: these "
-        "commands; mutants: test --mutate; baseline, cell, test-file, job-file, study: files that are read; "
-        "sweep: sweep.json.",
+        "commands; mutants: test --mutate; baseline, cell, test-file, job-file, study, settings (gcodesim.yaml): files "
+        "that are read; sweep: sweep.json.",
     )
     may_be(parser.add_argument("name", metavar="NAME", help=", ".join(NAMES)), lambda: NAMES)
     parser.set_defaults(run=run)

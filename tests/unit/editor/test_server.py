@@ -127,6 +127,19 @@ def test_an_editor_asks_everything(tmp_path):
     conversation(talk, tmp_path)
 
 
+def test_a_program_is_formatted_in_the_style_of_its_folder(tmp_path):
+    (tmp_path / "gcodesim.yaml").write_text("format: {case: lower, decimals: 2}\n")
+
+    async def talk(editor):
+        editor.open(tmp_path / "part.nc", "G21 G90\nG1 X1 F100\nM2\n")
+        await editor.findings()
+        ask = lsp.DocumentFormattingParams(editor.document, lsp.FormattingOptions(2, True))
+        (edit,) = await editor.client.text_document_formatting_async(ask)
+        assert edit.new_text == "g21 g90\ng1 x1.00 f100\nm2\n"
+
+    conversation(talk, tmp_path)
+
+
 def test_questions_are_answered_while_a_long_program_is_formatted(tmp_path):
     async def talk(editor):
         editor.open(tmp_path / "long.nc", "G21 G90\n" + "g1 x1 f100\n" * 4000 + "M2\n")

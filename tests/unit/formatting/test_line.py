@@ -77,3 +77,12 @@ def test_what_a_shop_may_want_otherwise():
     assert shown("G1X1 (note) M6", spaces=False, case="lower", code_digits=2) == "g01x1(note)m06"
     assert shown("o1 if [#1 GT 2]", spaces=False) == "o1if[#1GT2]"
     assert shown("G1 X5", "marlin", spaces=False, case="lower") == "G1 X5"  # 0X5 is a number to some controls
+
+
+def test_positions_with_decimals():
+    text = "n5 g1 x1.5 y-2 z[1 + 2] i.12345 f100 s500 m3"
+
+    assert shown(text, decimals=3) == "N5 G1 X1.500 Y-2.000 Z[1 + 2] I0.12345 F100 S500 M3"
+    assert shown(text, decimals=0) == "N5 G1 X1.5 Y-2. Z[1 + 2] I0.12345 F100 S500 M3"
+    # where X10 may be a hundredth of X10., no point comes
+    assert shown("g1 x10 y-10. z.5", "fanuc", decimals=2) == "G1 X10 Y-10.00 Z0.50"
