@@ -14,11 +14,14 @@ from typing import Final
 from gcodesim.cli.main import main
 
 FOLDER: Final = Path(str(files("gcodesim"))) / "data" / "examples"
+_THEN: Final = " && gcodesim "
 _VERDICT = re.compile(r"\S+: (?:\d+|no) errors?, |(?:\d+|none) failed|\S+: \d+ runs")
 
 
 def transcript_of(command: str, folder: Path) -> str:
     """`$ gcodesim COMMAND` and the findings that it prints, run in `folder` beside copies of all example files.
+
+    Of several commands (`run … && gcodesim ros …`) what the last one prints is shown.
 
     Everything from the verdict on is left out, since it does not belong to the finding.
     """
@@ -29,7 +32,12 @@ def transcript_of(command: str, folder: Path) -> str:
     os.chdir(folder)
     try:
         with contextlib.redirect_stdout(out), contextlib.redirect_stderr(io.StringIO()):
-            main(command.split())
+            *before_it, last = command.split(_THEN)
+            for one in before_it:
+                main(one.split())
+            out.seek(0)
+            out.truncate()
+            main(last.split())
     finally:
         os.chdir(before)
     lines: list[str] = []

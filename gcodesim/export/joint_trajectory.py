@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import csv
 from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.declarations.scalars import measured
 from gcodesim.export.select import TimeRange
 from gcodesim.frozen import frozen
 from gcodesim.playback.recording import Recording
@@ -100,6 +103,28 @@ class StateRecord:
                 )
                 rows.append([float(told[name]) for name in names])
         return StateRecord(names, np.array(times), np.array(rows).reshape(len(rows), len(names)))
+
+
+def read_state_table(path: Path) -> StateRecord:
+    """Joint states of a CSV file: a column `time_s`, and one a joint by its name, in rad or m.
+
+    OSError, or ValueError with the line that is wrong.
+    """
+    with path.open(encoding="utf-8-sig", newline="") as file:
+        rows = [(number, row) for number, row in enumerate(csv.reader(file), 1) if any(row)]
+    names = tuple(name.strip() for name in rows[0][1]) if rows else ()
+    if "time_s" not in names or len(set(names)) < len(names):
+        raise ValueError("the first line has to name the columns, `time_s` and each joint once")
+    table = np.array([_numbers(row, len(names), number) for number, row in rows[1:]]).reshape(-1, len(names))
+    time = names.index("time_s")
+    return StateRecord(_plain(names[:time] + names[time + 1 :]), table[:, time], np.delete(table, time, axis=1))
+
+
+def _numbers(row: Sequence[str], count: int, line: int) -> list[float]:
+    values = [read.value for cell in row if (read := measured(cell.strip())) is not None and not read.unit]
+    if len(values) != len(row) or len(row) != count:
+        raise ValueError(f"line {line} has not {count} numbers")
+    return values
 
 
 def _plain(names: Iterable[str]) -> tuple[str, ...]:

@@ -25,7 +25,6 @@ NONE = {
     "GS614": "needs a damaged log; tests/cli/test_views.py has some",
     "GS631": "names a file by its absolute path; tests/unit/sweep/test_prepared.py has it",
     "GS632": "needs workers that die; tests/unit/scale/test_crew.py has them",
-    "GS805": "needs joint states of a real arm; tests/unit/export/test_joint_trajectory.py has some",
     "GS751": "needs two runs at once; tests/cli/test_output_folder.py has them",
     "GS590": "takes 10,000 readings; tests/unit/observation/test_sensors_in_a_run.py has it with fewer",
     "GS616": "needs somebody who stops a run; tests/cli/test_interrupts.py does",

@@ -23,12 +23,15 @@ def add_parser(commands: Any) -> None:
         help="an arm of ROS 2 follows a run; its joint states are compared with the run",
         description="Send the commanded joints of a run as a trajectory_msgs/JointTrajectory over rosbridge, so that "
         "an arm of ros2_control follows it, listen to its joint states, and say how far each joint was off. Or compare "
-        "joint states that a bag has. Nothing checks what the arm does while it moves: stand at its stop button.",
+        "joint states that a bag has, or a CSV file (time_s and the joints by name, in rad or m). Nothing checks what "
+        "the arm does while it moves: stand at its stop button.",
         epilog="example: gcodesim ros out --to 127.0.0.1:9090 --listen 60 --tolerance 0.5",
     )
     parser.add_argument("log", type=Path, metavar="RUN", help="the folder of a run, or its run.mcap")
     parser.add_argument("--to", metavar="HOST:PORT", help="where rosbridge listens, such as 127.0.0.1:9090")
-    parser.add_argument("--states", type=Path, metavar="BAG", help="compare with the joint states of this bag instead")
+    parser.add_argument(
+        "--states", type=Path, metavar="BAG|CSV", help="compare with the joint states of this bag, or table, instead"
+    )
     parser.add_argument(
         "--topic",
         metavar="NAME",
@@ -113,11 +116,13 @@ def _followed(arguments: argparse.Namespace, trajectory: JointTrajectory) -> Sta
 
 
 def _of_bag(arguments: argparse.Namespace) -> StateRecord:
-    """The joint states of a bag."""
-    from gcodesim.export.joint_trajectory import StateRecord
+    """The joint states of a bag, or of a table."""
+    from gcodesim.export.joint_trajectory import StateRecord, read_state_table
     from gcodesim.export.rosbag import read_states
 
     try:
+        if arguments.states.suffix.lower() == ".csv":
+            return read_state_table(arguments.states)
         messages = read_states(arguments.states, arguments.states_topic)
     except (OSError, ValueError) as reason:
         raise UsageError(f"{arguments.states} cannot be read: {reason}") from None
@@ -141,7 +146,7 @@ def _told(
         Diagnostic(
             code="GS805",
             span=Span(name),
-            message=f"joint {joint.name} was {joint.most / size:.3f} {unit} off the run at {joint.at:.3f} s",
+            message=f"joint {joint.name} was {joint.most / size:.3f} {unit} off the run",
             time=joint.at,
             value=joint.most / size,
             limit=arguments.tolerance,

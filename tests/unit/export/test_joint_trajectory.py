@@ -18,7 +18,7 @@ import pytest
 from rosbags.highlevel import AnyReader
 
 from gcodesim.cli import main
-from gcodesim.export.joint_trajectory import JointTrajectory, StateRecord, deviations
+from gcodesim.export.joint_trajectory import JointTrajectory, StateRecord, deviations, read_state_table
 from gcodesim.export.rosbag import write_bag
 from gcodesim.export.select import TimeRange
 from gcodesim.playback import Recording
@@ -212,3 +212,29 @@ def test_nobody_there_is_said_in_words(slot_folder: Path) -> None:
     )
     assert ran.returncode == 2
     assert f"no rosbridge answers at 127.0.0.1:{port}" in ran.stderr
+
+
+@pytest.mark.parametrize(
+    ("text", "why"),
+    [
+        ("", "the first line has to name the columns"),
+        ("t,X\n", "the first line has to name the columns"),
+        ("time_s,X,X\n", "the first line has to name the columns"),
+        ("time_s,X\n0,1\n\n1\n", "line 4 has not 2 numbers"),
+        ("time_s,X\n0,1_0\n", "line 2 has not 2 numbers"),
+        ("time_s,X\n0,3 mm\n", "line 2 has not 2 numbers"),
+    ],
+)
+def test_a_table_that_is_none(tmp_path: Path, text: str, why: str) -> None:
+    (tmp_path / "states.csv").write_text(text)
+    with pytest.raises(ValueError, match=why):
+        read_state_table(tmp_path / "states.csv")
+
+
+def test_states_of_a_table(tmp_path: Path) -> None:
+    (tmp_path / "states.csv").write_text("arm/joint_1,time_s,joint_2\n0.5,10,-1e-2\n0.75,10.5,0\n")
+    states = read_state_table(tmp_path / "states.csv")
+
+    assert states.names == ("joint_1", "joint_2")
+    assert states.t.tolist() == [10.0, 10.5]
+    assert states.position.tolist() == [[0.5, -0.01], [0.75, 0.0]]
