@@ -28,6 +28,7 @@ from gcodesim.material.field_kernels import Field
 
 LEAST_WAY = 0.5  # of a cell: what a body goes at least between two looks
 COARSE = 4  # columns: every so many are asked first, so that few of the rest promise more
+CLEAR = 4.0  # cells beyond the level by which the rooms of body and patches have to be apart to be answer enough
 DEEPER = 0.25  # of a cell: what a column must promise beyond the depth that is known to be asked
 TOUCH = 1e-6  # [m] bodies that enter each other by less only touch
 HALVINGS = 12  # of the way to the first contact
@@ -185,9 +186,44 @@ def in_columns(
 
 
 @kernel
-def gap_to_stock(sight: StockSight, field: Field, bodies: Convexes, enough: float, room: SightRoom) -> float:
-    """The gap [m] of a body at `X_SB` to the material of a stock, or minus its depth; `enough` where it is more."""
+def rooms_apart(sight: StockSight, field: Field, bodies: Convexes, enough: float, room: SightRoom) -> float:
+    """A gap [m] that a body at `X_SB` has at least, from its room and those of the patches along x, y, z of S.
+
+    At most `enough`. Where it comes near the level, there is no use in going on.
+    """
     low, high = room.low, room.high
+    near = sight.level + CLEAR * finest(field)
+    best = enough
+    for a in range(sight.first, sight.end):
+        bounds_of_convex(a, bodies, room.X_SB, room)
+        first_i, last_i, first_j, last_j = patches_within(
+            field, low[0] - best, high[0] + best, low[1] - best, high[1] + best
+        )
+        for i in range(first_i, last_i):
+            for j in range(first_j, last_j):
+                x0, x1, y0, y1, top = patch_room(field, i, j)
+                if top <= sight.floor:
+                    continue
+                up = between(low[2], high[2], sight.floor, top)
+                if up >= best:
+                    continue
+                across, beside = between(low[0], high[0], x0, x1), between(low[1], high[1], y0, y1)
+                best = min(best, np.sqrt(across * across + beside * beside + up * up))
+                if best <= near:
+                    return best
+    return best
+
+
+@kernel
+def gap_to_stock(sight: StockSight, field: Field, bodies: Convexes, enough: float, room: SightRoom) -> float:
+    """The gap [m] of a body at `X_SB` to the material of a stock, or minus its depth.
+
+    One that is well above the level may be told as less than it is, and as `enough` where it is more.
+    """
+    low, high = room.low, room.high
+    apart = rooms_apart(sight, field, bodies, enough, room)
+    if apart > sight.level + CLEAR * finest(field):
+        return apart
     best = enough
     slack = DEEPER * finest(field)
     for a in range(sight.first, sight.end):
