@@ -113,7 +113,8 @@ def lay_row(chips: Chips, row: Array, line: Array, stretches: Array, number: int
         last = k - 1
         before = sine * sines[first - 1 if first > 0 else ANGLES - 1] - fall
         behind = sine * sines[last + 1 if last < ANGLES - 1 else 0] - fall
-        from_rest, to_rest = before <= LEAST_ADVANCE, behind <= LEAST_ADVANCE
+        at_first, at_last = sine * sines[first] - fall, sine * sines[last] - fall
+        from_rest, to_rest = before <= LEAST_ADVANCE < at_first, behind <= LEAST_ADVANCE < at_last
         inner_first, inner_last, missing_first, missing_last = first, last, 0.0, 0.0
         if last - first >= 2:  # a wall is as soft as a column is wide
             while inner_first < min(first + SOFTEST, last) and line[inner_first + 1] > line[inner_first] + ALIKE:
@@ -137,10 +138,9 @@ def lay_row(chips: Chips, row: Array, line: Array, stretches: Array, number: int
             enter = first + (0.0 if from_rest else (1.0 - part if to_rest else 0.5 - 0.5 * part))
             leave = enter + part
         if from_rest and enter - first < ALIKE:
-            enter = first - 0.5 + before / (before - (sine * sines[first] - fall))
+            enter = first - 0.5 + before / (before - at_first)
         if to_rest and last + 1.0 - leave < ALIKE:
-            advance = sine * sines[last] - fall
-            leave = last + 0.5 + advance / (advance - behind)
+            leave = last + 0.5 + at_last / (at_last - behind)
         stretch = stretches[number]
         stretch[ENTER_LOW], stretch[ENTER_HIGH] = enter * ONE, enter * ONE
         stretch[LEAVE_LOW], stretch[LEAVE_HIGH] = leave * ONE, leave * ONE
