@@ -90,8 +90,12 @@ LEAST_VOLUME = 1.0e-15  # [m³]; less is rounding
 # of the angles at which teeth enter and leave [rad]: then its peaks are in proportion to the means.
 ALIKE_SHARE = 0.005
 ALIKE_ANGLE = 0.01
-# places in `State.peaks`
-MEAN_FORCE, MEAN_TORQUE, FED, AT_DEPTH, AT_WIDTH, AT_ENTRY, AT_EXIT, PEAK_OF_FORCE, PEAK_OF_TORQUE = range(9)
+# So they are within so many cells of way, if mean force and torque are up to this share what they were: what else has
+# changed there is mostly what columns of this width say of the same wall.
+SAME_CELLS = 2.0
+SAME_SHARE = 0.05
+# places in `State.peaks`; the last one is the way since then [cells]
+MEAN_FORCE, MEAN_TORQUE, FED, AT_DEPTH, AT_WIDTH, AT_ENTRY, AT_EXIT, PEAK_OF_FORCE, PEAK_OF_TORQUE, GONE = range(10)
 
 EVALUATIONS = 10  # most samplings of the stock for one step
 CLOSE_RELATIVE = 0.01  # residual, as a share of the deflection, up to which the stock is not sampled again
@@ -141,10 +145,10 @@ class State(NamedTuple):
     patch: Array  # (2,) where `tops` were looked at last
     chips: Array  # (6,) wrench of chips, and
     edges: Array  # (7,) of the edges, in the last cut
-    peaks: Array  # (9,) for which contact peaks were looked for last, and what they were: see `greatest_loads`
+    peaks: Array  # (10,) for which contact peaks were looked for last, and what they were: see `greatest_loads`
 
 
-STATE = 48
+STATE = 49
 
 
 def axis_of(values: Array) -> Array:
@@ -199,7 +203,7 @@ def state_of(values: Array) -> State:
     """Views of the numbers (STATE,) that are kept."""
     return State(
         values[0:8], values[8:11], values[11:14], values[14:17], values[17:19], values[19:21], values[21:23],
-        values[23:29], values[29:36], values[39:48],
+        values[23:29], values[29:36], values[39:49],
     )  # fmt: skip
 
 
@@ -427,35 +431,45 @@ def may_feel(field: Field, tool: MillingTool, way: Way, state: State) -> bool:
 
 
 @kernel(lean=True)
-def is_close(one: float, other: float) -> bool:
-    """Whether two figures of a cut are alike."""
-    return abs(one - other) <= ALIKE_SHARE * abs(other)
+def is_close(one: float, other: float, share: float) -> bool:
+    """Whether two figures of a cut are the same up to a share of them."""
+    return abs(one - other) <= share * abs(other)
 
 
 @kernel(lean=True)
 def greatest_loads(
-    teeth: Teeth, heading: Heading, chip: float, room: Room, used: int, result: Array, peaks: Array
+    teeth: Teeth, heading: Heading, chip: float, room: Room, used: int, result: Array, cells: float, peaks: Array
 ) -> tuple[float, float]:
-    """Greatest force [N] and torque [N·m] within a revolution.
+    """Greatest force [N] and torque [N·m] within a revolution, after a way of so many `cells` in contact.
 
     They are looked for only where the cut is no longer like the one for which they were found last, which `peaks`
     remembers; a steady cut goes on for hundreds of steps.
     """
-    mean = np.sqrt(result[0] * result[0] + result[1] * result[1] + result[2] * result[2])
-    alike = is_close(mean, peaks[MEAN_FORCE]) and is_close(result[TORQUE], peaks[MEAN_TORQUE])
-    alike = alike and is_close(chip, peaks[FED]) and is_close(result[DEPTH], peaks[AT_DEPTH])
-    alike = alike and is_close(result[WIDTH], peaks[AT_WIDTH])
-    alike = alike and abs(result[ENTRY] - peaks[AT_ENTRY]) <= ALIKE_ANGLE
-    alike = alike and abs(result[EXIT] - peaks[AT_EXIT]) <= ALIKE_ANGLE
-    if alike and mean > 0.0 and result[TORQUE] > 0.0:
-        force = peaks[PEAK_OF_FORCE] * mean / peaks[MEAN_FORCE]
-        return float(force), float(peaks[PEAK_OF_TORQUE] * result[TORQUE] / peaks[MEAN_TORQUE])
+    mean, turn = float(np.sqrt(result[0] * result[0] + result[1] * result[1] + result[2] * result[2])), result[TORQUE]
+    peaks[GONE] += cells
+    if mean > 0.0 and turn > 0.0 and is_known(result, mean, chip, peaks):
+        return peaks[PEAK_OF_FORCE] * mean / peaks[MEAN_FORCE], peaks[PEAK_OF_TORQUE] * turn / peaks[MEAN_TORQUE]
     force, torque = peaks_of(teeth, heading.level, heading.climb, chip, room, used)
-    peaks[MEAN_FORCE], peaks[MEAN_TORQUE], peaks[FED] = mean, result[TORQUE], chip
+    peaks[MEAN_FORCE], peaks[MEAN_TORQUE], peaks[FED] = mean, turn, chip
     peaks[AT_DEPTH], peaks[AT_WIDTH] = result[DEPTH], result[WIDTH]
     peaks[AT_ENTRY], peaks[AT_EXIT] = result[ENTRY], result[EXIT]
-    peaks[PEAK_OF_FORCE], peaks[PEAK_OF_TORQUE] = force, torque
+    peaks[PEAK_OF_FORCE], peaks[PEAK_OF_TORQUE], peaks[GONE] = force, torque, 0.0
     return force, torque
+
+
+@kernel(lean=True, inlined=True)
+def is_known(result: Array, mean: float, chip: float, peaks: Array) -> bool:
+    """Whether a cut is like the one for which peaks were looked for last."""
+    if not (is_close(mean, peaks[MEAN_FORCE], SAME_SHARE) and is_close(result[TORQUE], peaks[MEAN_TORQUE], SAME_SHARE)):
+        return False
+    if peaks[GONE] <= SAME_CELLS:
+        return True
+    alike = is_close(mean, peaks[MEAN_FORCE], ALIKE_SHARE)
+    alike = alike and is_close(result[TORQUE], peaks[MEAN_TORQUE], ALIKE_SHARE)
+    alike = alike and is_close(chip, peaks[FED], ALIKE_SHARE) and is_close(result[DEPTH], peaks[AT_DEPTH], ALIKE_SHARE)
+    alike = alike and is_close(result[WIDTH], peaks[AT_WIDTH], ALIKE_SHARE)
+    alike = alike and abs(result[ENTRY] - peaks[AT_ENTRY]) <= ALIKE_ANGLE
+    return alike and abs(result[EXIT] - peaks[AT_EXIT]) <= ALIKE_ANGLE
 
 
 @kernel(lean=True, inlined=True)
@@ -470,7 +484,7 @@ def feel(
         state.before[axis] = state.delta[axis]
     before, after, spindle, rapid = way.before, way.after, motion.spindle[k], motion.rapid[k]
     speed, level, climb = point_feed(motion, k, state)
-    used, ratio, chip = 0, 1.0, 0.0
+    used, ratio, chip, length = 0, 1.0, 0.0, 0.0
     turning_in = spindle > 0.0 and not rapid and min(before[2], after[2]) < top
     if speed <= LEAST_SPEED:
         turning_in = turning_in and numbers[CUTTING] > 0.0
@@ -480,11 +494,10 @@ def feel(
     if rigid or level == 0.0 or numbers[CUTTING] == 0.0 or (heading[0] == 0.0 and heading[1] == 0.0):
         heading[0], heading[1] = state.feed[0], state.feed[1]
     if turning_in:
-        length = 0.0
         if speed > LEAST_SPEED:
             chip = speed * 2.0 * np.pi / (spindle * tool.teeth.number)
             flat = flat_way(way)
-            length = np.sqrt(flat * flat + np.square(after[2] - before[2]))
+            length = float(np.sqrt(flat * flat + np.square(after[2] - before[2])))
         if rigid:
             unbend(state)
             fed = Heading(state.feed[0], state.feed[1], level, climb)
@@ -499,14 +512,17 @@ def feel(
     # a rapid keeps the deflection until the tool is out: springing back inside its own cut would gouge the wall,
     # which a tool that is still turning would resist
     numbers[CUTTING] = 1.0 if used > 0 else 0.0
-    if used > 0:
+    if used == 0:
+        state.peaks[GONE] = np.inf
+    else:
         for component in range(6):
             out[WRENCH + component] = result[component]
         ux, uy = state.feed[0], state.feed[1]
         out[FEED_FORCE] = ux * result[0] + uy * result[1]
         out[SIDE_FORCE] = ux * result[1] - uy * result[0]
         way_cut = Heading(ux, uy, level, climb)
-        force, torque = greatest_loads(tool.teeth, way_cut, chip, room, used, result, state.peaks)
+        cells = length / coarsest(field)
+        force, torque = greatest_loads(tool.teeth, way_cut, chip, room, used, result, cells, state.peaks)
         out[PEAK], out[PEAK_TORQUE] = ratio * force, ratio * torque
         out[OUT_TORQUE] = result[TORQUE]
         out[POWER] = result[TORQUE] * spindle
