@@ -208,7 +208,7 @@ def rooms_apart(sight: StockSight, field: Field, bodies: Convexes, enough: float
                 if up >= best:
                     continue
                 across, beside = between(low[0], high[0], x0, x1), between(low[1], high[1], y0, y1)
-                best = min(best, np.sqrt(across * across + beside * beside + up * up))
+                best = min(best, float(np.sqrt(across * across + beside * beside + up * up)))
                 if best <= near:
                     return best
     return best

@@ -90,10 +90,10 @@ LEAST_VOLUME = 1.0e-15  # [m³]; less is rounding
 # of the angles at which teeth enter and leave [rad]: then its peaks are in proportion to the means.
 ALIKE_SHARE = 0.005
 ALIKE_ANGLE = 0.01
-# So they are within so many cells of way, if mean force and torque are up to this share what they were: what else has
-# changed there is mostly what columns of this width say of the same wall.
+# So they are within so many cells of way, unless mean force or torque have grown or fallen by more than these shares:
+# what else has changed there is mostly what columns of this width say of the same wall.
 SAME_CELLS = 2.0
-SAME_SHARE = 0.05
+GROWN, FALLEN = 0.02, 0.1
 # places in `State.peaks`; the last one is the way since then [cells]
 MEAN_FORCE, MEAN_TORQUE, FED, AT_DEPTH, AT_WIDTH, AT_ENTRY, AT_EXIT, PEAK_OF_FORCE, PEAK_OF_TORQUE, GONE = range(10)
 
@@ -447,8 +447,10 @@ def greatest_loads(
     """
     mean, turn = float(np.sqrt(result[0] * result[0] + result[1] * result[1] + result[2] * result[2])), result[TORQUE]
     peaks[GONE] += cells
-    if mean > 0.0 and turn > 0.0 and is_known(result, mean, chip, peaks):
-        return peaks[PEAK_OF_FORCE] * mean / peaks[MEAN_FORCE], peaks[PEAK_OF_TORQUE] * turn / peaks[MEAN_TORQUE]
+    if min(mean, turn, peaks[MEAN_FORCE], peaks[MEAN_TORQUE]) > 0.0 and is_known(result, mean, chip, peaks):
+        # contact that grows raises a mean more than its peaks
+        by_force, by_torque = min(mean / peaks[MEAN_FORCE], 1.0), min(turn / peaks[MEAN_TORQUE], 1.0)
+        return peaks[PEAK_OF_FORCE] * by_force, peaks[PEAK_OF_TORQUE] * by_torque
     force, torque = peaks_of(teeth, heading.level, heading.climb, chip, room, used)
     peaks[MEAN_FORCE], peaks[MEAN_TORQUE], peaks[FED] = mean, turn, chip
     peaks[AT_DEPTH], peaks[AT_WIDTH] = result[DEPTH], result[WIDTH]
@@ -460,7 +462,8 @@ def greatest_loads(
 @kernel(lean=True, inlined=True)
 def is_known(result: Array, mean: float, chip: float, peaks: Array) -> bool:
     """Whether a cut is like the one for which peaks were looked for last."""
-    if not (is_close(mean, peaks[MEAN_FORCE], SAME_SHARE) and is_close(result[TORQUE], peaks[MEAN_TORQUE], SAME_SHARE)):
+    by_force, by_torque = mean / peaks[MEAN_FORCE] - 1.0, result[TORQUE] / peaks[MEAN_TORQUE] - 1.0
+    if max(by_force, by_torque) > GROWN or min(by_force, by_torque) < -FALLEN:
         return False
     if peaks[GONE] <= SAME_CELLS:
         return True
