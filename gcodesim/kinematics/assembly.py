@@ -9,10 +9,11 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from gcodesim.arithmetic.matrices import inverse_pose, multiplied, norm
+from gcodesim.arithmetic.matrices import inverse_pose, multiplied
 from gcodesim.frames import Array, Pose
 from gcodesim.frozen import frozen
-from gcodesim.kinematics.chain import Chain, Inertial, Joint, Link
+from gcodesim.kinematics.chain import Chain, Joint, Link
+from gcodesim.kinematics.driven_axis import joint_of, link_of
 from gcodesim.kinematics.machine import Machine, poses, rows
 from gcodesim.kinematics.protocol import Reason, Statuses
 
@@ -67,26 +68,9 @@ def assembled(arm: Chain, carriers: Sequence[Carrier]) -> Chain:
             child = f"{carrier.name}_{number}"
             vector = np.array(axis.vector, dtype=float)
             X = at @ Pose(np.array(axis.point, dtype=float), np.eye(3))
-            joints.append(
-                Joint(
-                    name=axis.name,
-                    kind=axis.kind,
-                    parent=parent,
-                    child=child,
-                    X=X.matrix,
-                    axis=vector / norm(vector),
-                    lower=axis.lower,
-                    upper=axis.upper,
-                    speed=axis.speed,
-                    acceleration=axis.acceleration,
-                    jerk=axis.jerk,
-                    effort=axis.effort,
-                )
-            )
-            driven.append(len(joints) - 1)
-            mass = axis.moving_mass
-            carried = None if mass is None else Inertial(mass=mass, com=np.zeros(3), inertia=np.zeros((3, 3)))
-            links.append(Link(name=child, inertial=carried))
+            driven.append(len(joints))
+            joints.append(joint_of(axis, axis.name, axis.kind, (parent, child), X.matrix, vector))
+            links.append(link_of(axis, child))
             parent, at = child, Pose(-np.array(axis.point, dtype=float), np.eye(3))
         return fix(carrier.name, parent, at)
 

@@ -14,7 +14,8 @@ from gcodesim.arithmetic.matrices import applied, inverse_pose, least_inverse, m
 from gcodesim.canon import AXIS_LETTERS
 from gcodesim.frames import Array, Pose, rotation_from_rpy
 from gcodesim.frozen import frozen
-from gcodesim.kinematics.chain import Chain, Inertial, Joint, Link
+from gcodesim.kinematics.chain import Chain, Joint, JointKind, Link
+from gcodesim.kinematics.driven_axis import joint_of, link_of
 from gcodesim.kinematics.machine import Machine, poses
 from gcodesim.kinematics.protocol import Reason, Status, Statuses
 from gcodesim.kinematics.reasons import limit_reason
@@ -73,29 +74,11 @@ def chain_of_axes(axes: Sequence[Axis], name: str = "machine") -> Chain:
             point = np.array(axis.point if rotary and axis.point is not None else at, dtype=float)
             vector = np.array(usual if axis.vector is None else axis.vector, dtype=float)
             child = f"link_{axis.letter}"
-            mass = (
-                None
-                if axis.moving_mass is None
-                else Inertial(mass=axis.moving_mass, com=np.zeros(3), inertia=np.zeros((3, 3)))
-            )
-            links.append(Link(name=child, inertial=mass))
+            X = Pose(point - at, np.eye(3)).matrix
+            links.append(link_of(axis, child))
             driven.append(len(joints))
-            joints.append(
-                Joint(
-                    name=axis.letter,
-                    kind="revolute" if rotary else "prismatic",
-                    parent=parent,
-                    child=child,
-                    X=Pose(point - at, np.eye(3)).matrix,
-                    axis=vector / norm(vector),
-                    lower=axis.lower,
-                    upper=axis.upper,
-                    speed=axis.speed,
-                    acceleration=axis.acceleration,
-                    jerk=axis.jerk,
-                    effort=axis.effort,
-                )
-            )
+            kind: JointKind = "revolute" if rotary else "prismatic"
+            joints.append(joint_of(axis, axis.letter, kind, (parent, child), X, vector))
             if not (rotary and axis.point is None):  # otherwise the axis has no known place and carries nothing
                 ends[side] = child, point
     for link, (parent, at), X in (("flange", ends["tool"], nose), ("table", ends["table"], np.eye(4))):
@@ -118,28 +101,11 @@ def with_table(chain: Chain, axes: Sequence[Axis], name: str, X_ME: Pose) -> Cha
     links, joints, driven = list(chain.links), list(chain.joints), list(chain.driven)
     for axis in axes:
         point = Pose(np.array(axis.point, dtype=float), np.eye(3)).matrix
-        vector = np.array(axis.vector, dtype=float)
-        mass = axis.moving_mass
-        weight = None if mass is None else Inertial(mass=mass, com=np.zeros(3), inertia=np.zeros((3, 3)))
-        links.append(Link(name=f"link_{axis.letter}", inertial=weight))
+        child, vector = f"link_{axis.letter}", np.array(axis.vector, dtype=float)
+        links.append(link_of(axis, child))
         driven.append(len(joints))
-        joints.append(
-            Joint(
-                name=axis.letter,
-                kind="revolute",
-                parent=below,
-                child=f"link_{axis.letter}",
-                X=multiplied(X_pM, point),
-                axis=vector / norm(vector),
-                lower=axis.lower,
-                upper=axis.upper,
-                speed=axis.speed,
-                acceleration=axis.acceleration,
-                jerk=axis.jerk,
-                effort=axis.effort,
-            )
-        )
-        below, X_pM = f"link_{axis.letter}", inverse_pose(point)
+        joints.append(joint_of(axis, axis.letter, "revolute", (below, child), multiplied(X_pM, point), vector))
+        below, X_pM = child, inverse_pose(point)
     links.append(Link(name=name))
     joints.append(Joint(name=name, kind="fixed", parent=below, child=name, X=multiplied(X_pM, X_ME.matrix)))
     return replace(chain, links=tuple(links), joints=tuple(joints), driven=tuple(driven), table=name)

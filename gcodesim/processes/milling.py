@@ -53,7 +53,6 @@ FORM_CELL = 0.01
 TREMBLE: Final = 0.3
 """Share of its speed with which a tip may move along its axis and still be said to rest on the floor that it cuts."""
 
-
 SIDEWAYS: Final = Column("sideways_cut", "m^3", "sum", FINDINGS, "taken by a drill or the like that goes sideways")
 
 ALONG: Final = 0.05
@@ -268,7 +267,7 @@ class Milling(Process):
         if not self.cutter.axial:
             return {}
         along = _along_axis(window.velocity, window.axis)
-        square = np.sum(window.velocity * window.velocity, axis=1)
+        square = dots(window.velocity, window.velocity)
         across = square - along * along > ALONG * ALONG * square
         return {SIDEWAYS.name: np.where(across & ~window.rapid, removed, 0.0)}
 
