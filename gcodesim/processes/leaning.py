@@ -93,6 +93,13 @@ def memory_of(values: Array) -> State:
     return as_python(state_of)(values)
 
 
+def felt_in(values: Array) -> Array:
+    """A view of the mean wrench (6,) of the last step, in S, among the numbers that a process keeps."""
+    from gcodesim.processes.milling_kernels import STATE
+
+    return values[STATE : STATE + 6]
+
+
 def bend_of(values: Array) -> Array:
     """A copy of the bend (3,) [m] of the tip in the state of the process."""
     return np.array(memory_of(values).delta)

@@ -118,7 +118,6 @@ def _stretches(process: Milling, stock: Stock, motion: Motion, way: AxisWay) -> 
 
 def _feel(process: Milling, stock: Stock, motion: Motion, axis: Array, state: ProcessState) -> Array:
     """What `mill` says of parts (m,) with this axis (3,), in S; the stock stays as it is, `state` goes on."""
-    from gcodesim.material.kernels import scratch
     from gcodesim.material.stock import widened
     from gcodesim.material.tilted import tilted_frame
     from gcodesim.processes import milling_kernels as m
@@ -131,15 +130,12 @@ def _feel(process: Milling, stock: Stock, motion: Motion, axis: Array, state: Pr
     tip = motion.starts[0] if len(motion.starts) else np.array(kept.tip)
     for vector in (kept.delta, kept.before, kept.tip):
         vector[:] = applied(back, vector)
-    local = _in_frame(motion, frame)
-    field = _field_around(process, stock, local, frame, kept.delta)
+    local = in_frame(motion, frame)
+    field = seen_by(process, stock, local, frame, kept.delta, tip=applied(back, tip))
     if field is None:
         kept.delta[:] = 0.0
         kept.numbers[m.CUTTING] = 0.0
     else:
-        here = applied(back, tip) + kept.delta
-        while not m.remove_cutter(field, here, here, tool, scratch(field))[1]:  # the tool is there already
-            field = widened(field)
         alone = tool._replace(shank=tool.shank._replace(radius=0.0), holder=tool.holder._replace(radius=0.0))
         while m.mill(field, alone, local, process._room, state.values, out) < len(out):
             field = widened(field)
@@ -172,7 +168,7 @@ def leave(values: Array) -> None:
         _enter(values, np.zeros(3))
 
 
-def _in_frame(motion: Motion, frame: Array) -> Motion:
+def in_frame(motion: Motion, frame: Array) -> Motion:
     """The motion in axes of `frame` (3, 3), in which the tool is upright."""
     back = np.ascontiguousarray(frame.T)
     compliance = motion.compliance
@@ -186,6 +182,26 @@ def _in_frame(motion: Motion, frame: Array) -> Motion:
         velocity=np.ascontiguousarray(applied(back, motion.velocity)),
         compliance=np.ascontiguousarray(compliance),
     )
+
+
+def seen_by(
+    process: Milling, stock: Stock, local: Motion, frame: Array, bend: Array, *, tip: Array | None = None
+) -> Field | None:
+    """The material around the way of a tool in its frame, without what is where the tool is; None: there is no stock.
+
+    `bend` (3,) [m]; `tip` (3,) is where it begins, if not where its way does.
+    """
+    from gcodesim.material.kernels import scratch
+    from gcodesim.material.stock import widened
+    from gcodesim.processes import milling_kernels as m
+
+    field = _field_around(process, stock, local, frame, bend)
+    if field is None:
+        return None
+    here = (local.starts[0] if tip is None else tip) + bend
+    while not m.remove_cutter(field, here, here, process.packed_tool, scratch(field))[1]:
+        field = widened(field)
+    return field
 
 
 def _field_around(process: Milling, stock: Stock, local: Motion, frame: Array, bend: Array) -> Field | None:

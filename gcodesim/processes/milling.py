@@ -16,12 +16,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.arithmetic.elementary import cos_sin, hypot, tan
-from gcodesim.arithmetic.matrices import applied, dot, dots, norms
+from gcodesim.arithmetic.matrices import dots
 from gcodesim.frozen import frozen
 from gcodesim.processes.column import ENGAGED, FINDINGS, LOG, POWER, REMOVED, RESULTS, TORQUE, Column, Shown
 from gcodesim.processes.cutter_load import LOAD_COLUMNS, CutterLoad, load_findings, tool_compliance
 from gcodesim.processes.laws import Law
-from gcodesim.processes.leaning import Leaning, cut_in_three, cut_leaning, memory_of, part_of
+from gcodesim.processes.leaning import Leaning, cut_in_three, cut_leaning, felt_in, part_of
 from gcodesim.processes.leaning_force import leave
 from gcodesim.processes.misuse import cutter_findings
 from gcodesim.processes.protocol import Process
@@ -43,15 +43,13 @@ if TYPE_CHECKING:
     from gcodesim.processes.force_kernels import Teeth
     from gcodesim.processes.materials import Material
     from gcodesim.processes.milling_kernels import MillingTool, Motion
+    from gcodesim.processes.milling_loop import MillingLoop
 
 Array = NDArray[np.float64]
 
 FORM_CELL = 0.01
 """Diameters of the cell for which arcs of a form cutter become facets: they then lie within a 10,000th of it."""
 
-
-TREMBLE: Final = 0.3
-"""Share of its speed with which a tip may move along its axis and still be said to rest on the floor that it cuts."""
 
 SIDEWAYS: Final = Column("sideways_cut", "m^3", "sum", FINDINGS, "taken by a drill or the like that goes sideways")
 
@@ -168,7 +166,7 @@ class Milling(Process):
             return ProcessStep.free(window.steps)
         turns = Turns.of(window)
         out = self.run_parts(stock, self._motion_of(window, turns), Leaning.of(window, turns), state)
-        done = self._step_of(_of_steps(out, turns), stock, window)
+        done = self._step_of(of_steps(out, turns), stock, window)
         if window.steps:
             felt_in(state.values)[:] = done.wrench[-1]
         return done
@@ -215,6 +213,8 @@ class Milling(Process):
 
     def loop(self, stock: Stock, window: Window, state: ProcessState) -> MillingLoop:
         """The same step by step, for a world that reacts to every wrench with a motion of its own."""
+        from gcodesim.processes.milling_loop import MillingLoop
+
         return MillingLoop(self, stock, window, state)
 
     def _step_of(self, out: Array, stock: Stock, window: Window) -> ProcessStep:
@@ -362,119 +362,13 @@ class Milling(Process):
         )
 
 
-class MillingLoop:
-    """A window that is cut step by step; anything that each step needs is made once."""
-
-    yields: ClassVar[bool] = True
-    """`step` takes how the machine gives way during the step."""
-
-    def __init__(self, process: Milling, stock: Stock, window: Window, state: ProcessState) -> None:
-        self._process, self._stock, self._window, self._state = process, stock, window, state
-        self._turns = Turns.of(window)
-        self._motion = process._motion_of(window, self._turns)
-        self._leaning = Leaning.of(window, self._turns)
-        self._last = np.append(self._turns.first[1:], len(self._turns.step))
-        self._out: list[Array] = []
-
-    def step(self, k: int, moved_before: Array, moved: Array, share: Array, response: Array | None = None) -> Array:
-        """Step `k`, in order. The tip is off the window's pieces by `moved_before` … `moved` (3,) [m].
-
-        `share` (c, 2) tells where in its step each piece begins and ends. Wrench (6,) on the tool in S. Chips are those
-        of the way and the speed that the tip really has. Under a wrench F the machine moves the tip by `response`
-        (3, 6) F more in this step; that is solved together with the bend of the tool, of which it is then no part.
-        """
-        values = self._state.values
-        if response is not None:
-            # the way of the tip as it goes on under the wrench of the last step: what is left to solve is small
-            gone = applied(response[None], felt_in(values)[None])[0]
-            moved_before = moved_before - gone
-            kept = memory_of(values)
-            kept.delta[:] += gone
-        motion, here = self._motion, slice(int(self._turns.first[k]), int(self._last[k]))
-        a, b = int(motion.first_piece[here.start]), int(motion.first_piece[here.stop])
-        bend = moved - moved_before
-        velocity = motion.velocity[here] + across(bend, motion.axis[here]) / self._window.dt
-        if len(motion.compliance):  # gears have no inertia here: what throws the tip about is a motor at its limit
-            velocity = fallen(velocity, bend / self._window.dt, motion.axis[here])
-            self._turn_back(velocity[0])
-        step = motion._replace(
-            starts=motion.starts[a:b] + moved_before + share[a:b, :1] * bend,
-            ends=motion.ends[a:b] + moved_before + share[a:b, 1:] * bend,
-            first_piece=motion.first_piece[here.start : here.stop + 1] - a,
-            axis=motion.axis[here],
-            velocity=velocity,
-            spindle=motion.spindle[here],
-            rapid=motion.rapid[here],
-            compliance=self._compliance(here, response),
-        )
-        out = self._process.run_parts(self._stock, step, self._leaning.part(here, a), self._state)
-        if response is not None:
-            self._leave_to_machine(out, response)
-        self._out.append(out)
-        wrench: Array = out[0, :6] if len(out) == 1 else applied(out[:, :6].T, self._turns.share[here])
-        felt_in(values)[:] = wrench
-        return wrench
-
-    def _turn_back(self, velocity: Array) -> None:
-        """A tip that is thrown back does not turn on its way: chips are those of this way, wherever it went before."""
-        kept = memory_of(self._state.values)
-        if not self._leaning.parts.any() and dot(kept.travel, velocity[:2]) < 0.0:
-            kept.travel[:] = 0.0
-
-    def _compliance(self, here: slice, response: Array | None) -> Array:
-        """Compliance of the tip in the parts of a step (m or 0, 3, 6): of gears, and of what moves in this step."""
-        own = self._motion.compliance[here]
-        if response is None:
-            return own
-        count = here.stop - here.start
-        both: Array = np.ascontiguousarray(np.tile(response, (count, 1, 1)))
-        return both + own if len(own) else both
-
-    def _leave_to_machine(self, out: Array, response: Array) -> None:
-        """Take what the machine has moved under the wrench off the bend of the tool: the next step begins there."""
-        from gcodesim.processes import milling_kernels as m
-
-        moved = applied(response, out[:, m.WRENCH : m.WRENCH + 6])
-        out[:, m.DEFLECTION : m.DEFLECTION + 3] -= moved
-        kept = memory_of(self._state.values)
-        kept.delta[:] = out[-1, m.DEFLECTION : m.DEFLECTION + 3]
-
-    def finish(self) -> ProcessStep:
-        """The outcome of all steps."""
-        return self._process._step_of(_of_steps(np.concatenate(self._out), self._turns), self._stock, self._window)
-
-
-def across(way: Array, axis: Array) -> Array:
-    """The part (m, 3) of a way (3,) that goes across the axes (m, 3) of a tool.
-
-    A tool that trembles along its axis would plunge in one step and hover in the next, with the edge forces of all of
-    its bottom or none; what it really does is to rest on the floor. So at the bottom chips are those of the command.
-    """
-    along = dots(axis, np.broadcast_to(way, axis.shape))
-    return way - along[:, None] * axis
-
-
-def fallen(velocity: Array, besides: Array, axis: Array) -> Array:
-    """Velocities (m, 3) with the part of `besides` (3,) along the axes (m, 3), where that is more than a tremble."""
-    along = dots(axis, np.broadcast_to(besides, axis.shape))
-    trembles = np.abs(along) < TREMBLE * norms(velocity)
-    return velocity + np.where(trembles, 0.0, along)[:, None] * axis
-
-
-def felt_in(values: Array) -> Array:
-    """A view of the mean wrench (6,) of the last step, in S, among the numbers that a process keeps."""
-    from gcodesim.processes.milling_kernels import STATE
-
-    return values[STATE : STATE + 6]
-
-
 def _along_axis(force: Array, axis: Array) -> Array:
     """Component (n,) of a force (n, 3) along the tool's axis (n, 3); of an upright tool that along Z."""
     leans = np.any(axis[:, :2] != 0.0, axis=1) | (axis[:, 2] < 0.0)
     return np.where(leans, dots(force, axis), force[:, 2]) if leans.any() else force[:, 2]
 
 
-def _of_steps(parts: Array, turns: Turns) -> Array:
+def of_steps(parts: Array, turns: Turns) -> Array:
     """The kernel's output (m, OUTPUTS) of the parts of n steps as that of the steps (n, OUTPUTS)."""
     from gcodesim.processes import milling_kernels as m
 

@@ -42,9 +42,8 @@ def test_a_settled_cut_bends_moving_gears_as_it_bends_those_without_mass(tmp_pat
         ran = run_texts(SLOT.format(depth=2, feed=900), arm(controller), tmp_path / f"out{controller}")
         accuracy = ran.results.path_accuracy
         assert accuracy is not None
-        found[controller] = (ran.results.tools[0]["max_force_N"], ran.stock.removed, accuracy["rms_mm"])
-    assert found["flexible"][1] == pytest.approx(found[""][1], rel=0.01)
-    assert found["flexible"][2] == pytest.approx(found[""][2], rel=0.05)
+        found[controller] = (ran.stock.removed, accuracy["rms_mm"])
+    assert found["flexible"] == pytest.approx(found[""], rel=0.01)
 
 
 def test_a_cut_that_is_too_heavy_does_not_fling_the_arm_about() -> None:
@@ -59,6 +58,22 @@ def test_a_cut_that_is_too_heavy_does_not_fling_the_arm_about() -> None:
     assert "GS230" in {finding.code for finding in ran.results.findings}
     assert accuracy is not None and accuracy["AT_mm"] < 3.0
     assert ran.results.tools[0]["max_force_N"] < 900.0
+
+
+def test_moving_gears_bear_a_bore_that_gears_without_mass_bear(tmp_path: Path) -> None:
+    """A helix into full material at 250 Hz. With speeds and climbs of the command it threw the arm about, by 39 mm."""
+    program = (
+        "G21 G90 G17 G94 G64 P0.02\nT1 M6\nG43 H1\nS9500 M3\nG0 X20 Y30\nG0 Z1\nG1 Z-1 F500\n"
+        "G3 X20 Y30 Z-9 I-4 J0 P3 F900\nG0 Z20\nM5\nM30\n"
+    )
+    force, error = {}, {}
+    for controller in ("", "flexible"):
+        ran = run_texts(program, arm(controller), tmp_path / f"out{controller}")
+        accuracy = ran.results.path_accuracy
+        assert accuracy is not None
+        force[controller], error[controller] = ran.results.tools[0]["max_force_N"], accuracy["AT_mm"]
+    assert force["flexible"] < 1.2 * force[""]
+    assert error["flexible"] < 1.2 * error[""]
 
 
 @frozen(slots=False, eq=False)
