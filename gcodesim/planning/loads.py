@@ -17,6 +17,7 @@ from gcodesim.kinematics.chain import Chain, Inertial
 from gcodesim.kinematics.dynamics import GRAVITY, inverse_dynamics
 
 _SHARE: Final = 0.98  # of an effort limit; the rest is for what changes between the places that are looked at
+_FOR_WORK: Final = 0.99  # of what a joint at rest leaves its motor; the rest is for motion, however much the work asks
 _LEAST: Final = 1e-4  # of speed squared: slower than a hundredth nothing is run
 
 
@@ -137,9 +138,12 @@ class Loads:
 
         Efforts (n, j) are `static` at rest and each of `moved` at full speed and acceleration. A motion that is slowed
         evenly by k in speed squared and in acceleration takes ``static + k (moved - static)``, and `reserve` (n, j) of
-        a limit stays free. Where rest alone is too much, nothing is gained by going slower.
+        a limit stays free. Where rest alone is too much, nothing is gained by going slower; where the reserve is, motion
+        is as slow as with the largest that can be had, so that a little more of it never makes it quicker.
         """
-        kept = np.where(np.abs(static) + reserve < _SHARE * self.limit, reserve, 0.0)
+        with np.errstate(invalid="ignore"):
+            left = np.maximum(_SHARE * self.limit - np.abs(static), 0.0)
+        kept = np.minimum(reserve, _FOR_WORK * left)
         limit = _SHARE * self.limit - kept
         rows = np.arange(len(static))
         share, joint, most = np.ones(len(static)), np.full(len(static), -1), np.zeros(len(static))

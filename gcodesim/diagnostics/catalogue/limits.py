@@ -190,7 +190,7 @@ CODES: tuple[Code, ...] = (
         " need more than the effort limit. The motion is slowed there until they do not; the message names the least"
         " share of the acceleration that is left. How deep a tool cuts no plan knows before the run: of its process,"
         " only `expected_force` of the tool counts, in feed moves and from the worst side. Where a motor could not"
-        " bear that even at rest, another note says so, and the motion is timed without it.",
+        " bear that even at rest, another note says so, and the motion is as slow as for what it just can.",
         why="Machine time is longer than speeds and accelerations alone say.",
         remedy="Nothing, if the time is right. A lighter tool or payload, or a part nearer to the arm, makes it"
         " quicker. Check `effort` of the joint in the URDF, `payload` and `expected_force` if the torque looks wrong.",

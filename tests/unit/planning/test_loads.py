@@ -86,6 +86,18 @@ def test_timing_leaves_room_for_the_work_where_it_feeds() -> None:
     assert bound.plan.trajectory.row_time[rapids] == pytest.approx(free.plan.trajectory.row_time[rapids])
 
 
+def test_more_force_of_the_work_never_makes_a_motion_quicker() -> None:
+    """Beyond what motors bear at rest, too: there it was dropped, and the arm went at full speed again."""
+    heavy, times = ", payload: {mass: 8 kg}", []
+    for force in (50, 200, 400, 700, 1500):
+        plan = job_of(control=heavy, tool=f", expected_force: {force} N").plan
+        assert plan is not None
+        times.append(plan.trajectory.duration)
+
+    assert times == sorted(times)
+    assert times[-1] > 1.5 * times[0]
+
+
 def test_a_force_that_no_slowness_helps_against_is_told() -> None:
     notes = [finding for finding in job_of(tool=", expected_force: 900 N").findings if finding.code == "GS231"]
 
