@@ -13,8 +13,8 @@ class Flexible(Controller):
     """Motors follow the command as far as their limit allows; links hang on them by gears that are springs and dampers.
 
     Spong 1987. The control knows how far gravity winds up the gears, and turns its motors further by that.
-    The cut knows the speed and the direction that the tip really has. At the default rate of 250 Hz steps are long beside
-    a heavy cut: `simulation: {rate: 1 kHz}` follows its swings more closely.
+    The cut knows the speed and the direction that the tip really has. Steps of the default 250 Hz are long beside the
+    swings of a heavy cut: `simulation: {rate: 1 kHz}` follows them more closely.
     """
 
     kind: ClassVar[str] = "flexible"

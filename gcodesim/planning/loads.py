@@ -138,8 +138,8 @@ class Loads:
 
         Efforts (n, j) are `static` at rest and each of `moved` at full speed and acceleration. A motion that is slowed
         evenly by k in speed squared and in acceleration takes ``static + k (moved - static)``, and `reserve` (n, j) of
-        a limit stays free. Where rest alone is too much, nothing is gained by going slower; where the reserve is, motion
-        is as slow as with the largest that can be had, so that a little more of it never makes it quicker.
+        a limit stays free. Where rest alone is too much, nothing is gained by going slower; where the reserve is,
+        motion is as slow as with the largest that can be had, so that a little more of it never makes it quicker.
         """
         with np.errstate(invalid="ignore"):
             left = np.maximum(_SHARE * self.limit - np.abs(static), 0.0)
