@@ -19,8 +19,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.compiled import kernel
-from gcodesim.material.bead_kernels import bead_thickness, unite
+from gcodesim.material.bead_kernels import Bead, bead_thickness, fill_layer, unite
 from gcodesim.material.field_kernels import PATCH_SHIFT, Columns, Field
+from gcodesim.material.removal_kernels import overlap
 from gcodesim.material.sweep_kernels import x_of, y_of
 
 Array = NDArray[np.float64]
@@ -30,6 +31,7 @@ DEEPEST = 1.5  # of the nominal height: how far below the nozzle there may be su
 UNDER = 1.05  # of the nominal height: below this a bead of the same layer does not count as support
 LEAST = 0.25  # of the nominal height: a gap that is less says only that a neighbour is there already
 WIDEST = 2.0  # of the nominal width: what is asked for beyond that flows to all sides
+SLIVER = 0.1  # of the height: what is thinner at the border of a bead goes to the columns beside it
 SPREAD = 1.5  # of the width: how far from a strand its material flows to the sides
 AT_REST = 1.0e-9  # [m]: on a way that is shorter a nozzle stands
 TINY = 1.0e-15  # [m³]
@@ -99,13 +101,25 @@ def end_of_filled(columns: Columns, i: int, j: int, height: float, fuse: float, 
 
 
 @kernel
+def hangs(columns: Columns, i: int, j: int, tip: float, nozzle: Nozzle) -> bool:
+    """Whether nothing carries a bead in a column: what is there begins far below the nozzle, or within the layer.
+
+    So it is at the round sides of a bead, and where it is a bridge.
+    """
+    lo, hi, count = columns
+    for k in range(count[i, j] - 1, -1, -1):
+        if lo[i, j, k] <= tip + nozzle.fuse and hi[i, j, k] > lo[i, j, k]:
+            within = lo[i, j, k] > tip - nozzle.height + nozzle.fuse
+            return within or tip - hi[i, j, k] > DEEPEST * nozzle.height
+    return True
+
+
+@kernel
 def room_below(columns: Columns, i: int, j: int, tip: float, nozzle: Nozzle) -> float:
     """The height [m] that is free between the nozzle and what carries the bead in a column, or its own height."""
-    top = top_below(columns, i, j, tip, nozzle.fuse)
-    gap = tip - top
-    if gap > DEEPEST * nozzle.height:
-        return nozzle.height
-    return max(gap, 0.0)
+    if hangs(columns, i, j, tip, nozzle):
+        return nozzle.height - overlap(columns, i, j, tip - nozzle.height, tip)
+    return max(tip - top_below(columns, i, j, tip, nozzle.fuse), 0.0)
 
 
 @kernel
@@ -187,7 +201,7 @@ def gather(
             if part <= 0.0 or abs(across) > reach:
                 continue
             weight = part * bead_thickness(across, across_cell, width, height)
-            if weight <= 0.0:
+            if weight <= SLIVER * part * height:
                 continue
             if i < 0 or j < 0 or i >= nx or j >= ny:
                 beside += weight
@@ -200,10 +214,13 @@ def gather(
 
 
 @kernel
-def around(field: Field, start: Array, end: Array, reach: float, nozzle: Nozzle, least: float) -> StrandRoom:
+def around(
+    field: Field, start: Array, end: Array, reach: float, nozzle: Nozzle, ahead: bool, least: float
+) -> StrandRoom:
     """The columns within `reach` of a piece that have more than `least` of room, each with its distance [m] from it.
 
-    They are what a strand flows into, nearest first. None where `reach` is negative.
+    They are what a strand flows into, nearest first. Only what asks for more than the widest bead flows `ahead`: what
+    the nozzle comes upon there passes for what carries the strand. None where `reach` is negative.
     """
     if reach < 0.0:
         none = np.empty(0, dtype=np.int64)
@@ -224,7 +241,10 @@ def around(field: Field, start: Array, end: Array, reach: float, nozzle: Nozzle,
         x = x_of(grid, i) - start[0]
         for j in range(first_j, last_j):
             y = y_of(grid, j) - start[1]
-            along = min(max((x * dx + y * dy) / length2, 0.0), 1.0) if length2 > 0.0 else 1.0
+            along = (x * dx + y * dy) / length2 if length2 > 0.0 else 1.0
+            if along > 1.0 and not ahead:
+                continue
+            along = min(max(along, 0.0), 1.0)
             ex, ey = x - along * dx, y - along * dy
             distance = math.sqrt(ex * ex + ey * ey)
             if distance > reach:
@@ -242,19 +262,23 @@ def put(field: Field, i: int, j: int, tip: float, thickness: float, nozzle: Nozz
     is left for it. What finds no room under the nozzle stands above it."""
     columns, _, _, dirty, tops = field
     top = top_below(columns, i, j, tip, nozzle.fuse)
-    bottom = top if tip - top <= DEEPEST * nozzle.height else tip - nozzle.height
-    if top >= tip - nozzle.fuse:  # up to the nozzle all is full: it swells above
+    bottom, added, left = top, 0.0, thickness
+    if hangs(columns, i, j, tip, nozzle):
+        added = fill_layer(columns, i, j, tip, thickness, Bead(nozzle.width, nozzle.height, nozzle.fuse))
+        if added < 0.0:
+            return -1.0
+        bottom, left = tip, thickness - added
+    if bottom >= tip - nozzle.fuse:  # up to the nozzle all is full: it swells above
         bottom = end_of_filled(columns, i, j, tip, nozzle.fuse, bottom)
-    added, left = 0.0, thickness
     for _ in range(8):  # what it meets on its way up fuses with it
+        if left <= 1.0e-12:
+            break
         grown = unite(columns, i, j, bottom, bottom + left, nozzle.fuse)
         if grown < 0.0:
             return -1.0
         added += grown
         left -= grown
         bottom += grown
-        if left <= 1.0e-12:
-            break
         bottom = end_of_filled(columns, i, j, bottom, nozzle.fuse, bottom)
     pi, pj = i >> PATCH_SHIFT, j >> PATCH_SHIFT
     dirty[pi, pj] = 1
@@ -309,7 +333,8 @@ def lay_piece(
     for m in range(len(room.share)):
         wanted = volume * room.share[m] / total / area
         left += (wanted - min(wanted, room.free[m])) * area
-    wide = around(field, start, end, SPREAD * width if left > TINY else -1.0, nozzle, 0.0)  # before anything is put
+    reach, floods = SPREAD * width if left > TINY else -1.0, width >= WIDEST * nozzle.width
+    wide = around(field, start, end, reach, nozzle, floods, 0.0)  # as it is before anything is put
     if not has_interval(columns, room) or not has_interval(columns, wide):
         return -1.0, 0.0, 0.0, support, width, height
     inside = 0.0
@@ -352,7 +377,7 @@ def lay_blob(field: Field, at: Array, volume: float, nozzle: Nozzle, before: flo
         return 0.0, 0.0, volume
     ball = (1.5 / math.pi * (before + volume)) ** (1.0 / 3.0)
     reach = max(SPREAD * WIDEST * nozzle.width, ball, math.hypot(grid.dx, grid.dy))
-    room = around(field, at, at, reach, nozzle, -1.0)
+    room = around(field, at, at, reach, nozzle, True, -1.0)
     if not has_interval(columns, room):
         return -1.0, 0.0, 0.0
     area, left, inside = grid.dx * grid.dy, volume, 0.0

@@ -68,6 +68,22 @@ def test_width_follows_from_flow_and_the_gap_below(gap):
     assert rows.sum() * 0.05 == pytest.approx(wanted, abs=0.5)
 
 
+def test_a_wall_on_the_border_of_columns_has_smooth_sides():
+    """Rounding puts the nozzle now in one column, now in its neighbour; what overflows must not lie ahead of it."""
+    stock = Stock.box((-10 * MM, -10 * MM, -2 * MM), (40 * MM, 10 * MM, 0.0), 1.0 * MM)
+    carry, noise = np.full(CARRY, np.inf), np.random.default_rng(3).choice([-1e-17, 0.0, 1e-17], 301)
+    for layer in range(1, 7):
+        points = np.column_stack([np.linspace(0.0, 30.0, 301) * MM, noise, np.full(301, 3.0 * layer * MM)])
+        each, sizes = np.full(300, BEAD * 0.1 * MM3), (np.full(300, 6.0 * MM), np.full(300, 3.0 * MM))
+        laid = lay_strand(stock, FilamentStrand(points[:-1], points[1:], each, *sizes), carry)
+
+        assert laid.width == pytest.approx(np.full(300, 6.0 * MM), rel=1e-5)
+    for y in (-3.5, 3.5):
+        assert stock.intervals_at(15.5 * MM, y * MM)[-1][1] == 0.0
+    for y in (-2.5, 2.5):  # round sides: none is a thin fin
+        assert all(high - low > 1.0 * MM for low, high in stock.intervals_at(15.5 * MM, y * MM))
+
+
 def test_what_finds_no_room_goes_sideways_and_then_up():
     _, once = straight(30.0, 0.0, 3.0, 6.0, 3.0, BEAD * 30.0)
     stock, much = straight(30.0, 0.0, 3.0, 6.0, 3.0, 6.0 * BEAD * 30.0)
