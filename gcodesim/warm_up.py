@@ -14,20 +14,22 @@ from gcodesim.compiled.parallel import compile_all
 Say = Callable[[str], None]
 
 
-def warm_up(say: Say) -> None:
-    """Compile everything that is on the list of kernels; those that are there already take only a moment."""
+def warm_up(say: Say) -> bool:
+    """Compile everything that is on the list of kernels; those that are there already take only a moment.
+
+    Returns whether all of them are there now.
+    """
     # a package installed with `-e` has no byte code, which costs 0.2 s at each start if none can be written
     compileall.compile_dir(Path(__file__).parent, quiet=2)
     if is_compiler_off():
         say("NUMBA_DISABLE_JIT is set: kernels run as Python, and none is compiled")
-        return
+        return True
     parts = known_parts()
     ahead = {name: missing(signatures) for name, signatures in parts.items()}
     if not any(ahead.values()):
         say(f"all {sum(map(len, parts.values()))} kernels are compiled")
-    for name, signatures in ahead.items():
-        if signatures:
-            _compile(name, signatures, say)
+    done = [_compile(name, signatures, say) for name, signatures in ahead.items() if signatures]
+    return all(done)
 
 
 def warm_up_for(signature: str, obstacle: str, say: Say) -> None:
@@ -42,13 +44,15 @@ def warm_up_for(signature: str, obstacle: str, say: Say) -> None:
         _compile(name, missing(part[1]), say)
 
 
-def _compile(name: str, signatures: Sequence[str], say: Say) -> None:
+def _compile(name: str, signatures: Sequence[str], say: Say) -> bool:
+    """Returns whether all could be compiled."""
     begin = time.monotonic()
     what = f"compiling kernels, once for this version: {name}"
     say(f"{what}, {len(signatures)} on all cores")
     failed = compile_all(signatures, lambda done: say(f"{what}, {_far(done, len(signatures), begin)}"))
     for signature, reason in failed.items():
         say(f"{signature.partition(' ')[0]}: {reason}")
+    return not failed
 
 
 def _far(done: int, count: int, begin: float) -> str:

@@ -154,7 +154,10 @@ def _of_words(words: list[str]) -> Arguments:
                 import_module(named.split(":")[0])
                 if class_of(named) is None:
                     raise ValueError(f"there is no `{named}`")
-            arguments.append(Argument(parts=_of_words(words), named=named))
+            parts = _of_words(words)
+            if named and len(parts) != len(getattr(class_of(named), "_fields", ())):
+                raise ValueError(f"`{named}` has other fields today")
+            arguments.append(Argument(parts=parts, named=named))
             if not words:
                 raise ValueError("a parenthesis is open")
             words.pop()

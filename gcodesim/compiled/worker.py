@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import sys
 from pathlib import Path
 
@@ -20,7 +21,7 @@ def work(level: str = "", objects: str = "") -> None:
             _compile(line.rstrip("\n"), objects)
             answer = ""
         except Exception as error:  # of numba: it is told by the process that needs the kernel
-            answer = f"{type(error).__name__}: {error}".replace("\n", " ")
+            answer = re.sub(r"\x1b\[[0-9;]*m", "", f"{type(error).__name__}: {error}").replace("\n", " ")  # no colours
         print(answer, flush=True)
 
 

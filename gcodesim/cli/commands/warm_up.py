@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
-from gcodesim.cli.exits import OK
+from gcodesim.cli.exits import INTERNAL, OK
 from gcodesim.cli.output import note
 
 
@@ -17,5 +17,4 @@ def add_parser(commands: Any) -> None:
 def run(arguments: argparse.Namespace) -> int:
     from gcodesim.warm_up import warm_up
 
-    warm_up(note)
-    return OK
+    return OK if warm_up(note) else INTERNAL

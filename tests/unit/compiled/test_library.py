@@ -159,7 +159,8 @@ def test_types_are_read_back_from_their_text(value: Any) -> None:
 
 
 def test_other_text_is_no_type() -> None:
-    for wrong in ("q8", "(f8", "f8)", "f8[x]", "gcodesim.compiled:Nothing(f8)"):
+    other_fields = "gcodesim.material.place_kernels:Places(f8[1])"
+    for wrong in ("q8", "(f8", "f8)", "f8[x]", "gcodesim.compiled:Nothing(f8)", other_fields):
         with pytest.raises(ValueError):
             of_text(wrong)
 

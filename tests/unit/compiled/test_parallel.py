@@ -57,6 +57,16 @@ def test_a_run_compiles_the_whole_part_that_it_needs(monkeypatch: pytest.MonkeyP
     assert "byte_at" in said[-1]  # the one that failed
 
 
+@pytest.mark.parametrize(("signature", "well"), [(READ, True), (WRONG, False)])
+def test_warm_up_knows_whether_all_went_well(monkeypatch: pytest.MonkeyPatch, signature: str, well: bool) -> None:
+    """And says so without the colours of a compiler, since it may be read in the log of a CI job."""
+    monkeypatch.setattr(warm_up, "known_parts", lambda: {"reading": (signature,)})
+    monkeypatch.setattr(warm_up.compileall, "compile_dir", lambda *_, **__: True)
+    said: list[str] = []
+    assert warm_up.warm_up(said.append) is well
+    assert "\x1b" not in "".join(said)
+
+
 def test_where_nothing_can_be_kept_it_is_said_once() -> None:
     said: list[str] = []
     for _ in range(2):
