@@ -11,6 +11,7 @@ Robotics and Automation 4, 193).
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -244,6 +245,56 @@ def depth_on(
 
 
 @kernel
+def touch(
+    outline: Array, axis: Array, start: Array, end: Array, corners: Array, normals: Array, tolerance: float, tip: Array
+) -> tuple[float, float]:
+    """Depth [m] of one part of the tool in one hull on a straight piece, 0 where they keep clear, and where they meet.
+
+    That is a share of the piece. On a straight way into a convex body the depth rises to one top and falls again, so
+    the top is found by golden section and the first contact before it by halving. `tip` (3,) is room to work in.
+    """
+    if separation(outline, axis, start, end, corners, tolerance) > 0.0:
+        return 0.0, 0.0
+    best, top = depth_on(outline, axis, start, end, corners, normals, 0.0, tip), 0.0
+    at_start = best
+    at_end = depth_on(outline, axis, start, end, corners, normals, 1.0, tip)
+    if at_end > best:
+        best, top = at_end, 1.0
+    low, high = 0.0, 1.0
+    left, right = high - GOLDEN, low + GOLDEN
+    at_left = depth_on(outline, axis, start, end, corners, normals, left, tip)
+    at_right = depth_on(outline, axis, start, end, corners, normals, right, tip)
+    length = math.sqrt(np.square(end[0] - start[0]) + np.square(end[1] - start[1]) + np.square(end[2] - start[2]))
+    for _ in range(ROUNDS):
+        if (high - low) * length < tolerance:
+            break
+        if at_left > best:
+            best, top = at_left, left
+        if at_right > best:
+            best, top = at_right, right
+        if at_left >= at_right:
+            high, right, at_right = right, left, at_left
+            left = high - GOLDEN * (high - low)
+            at_left = depth_on(outline, axis, start, end, corners, normals, left, tip)
+        else:
+            low, left, at_left = left, right, at_right
+            right = low + GOLDEN * (high - low)
+            at_right = depth_on(outline, axis, start, end, corners, normals, right, tip)
+    if best <= tolerance:
+        return 0.0, 0.0
+    if at_start > 0.0:
+        return best, 0.0
+    outside, inside = 0.0, top
+    for _ in range(ROUNDS):
+        middle = 0.5 * (outside + inside)
+        if depth_on(outline, axis, start, end, corners, normals, middle, tip) > 0.0:
+            inside = middle
+        else:
+            outside = middle
+    return best, inside
+
+
+@kernel
 def touches(
     piece: Ints,
     outline: Array,
@@ -256,53 +307,118 @@ def touches(
     first: Array,
     depth: Array,
 ) -> None:
-    """Depth (p,) [m] of one part of the tool in one hull on pieces `piece` (p,), 0 where they keep clear.
-
-    `first` (p,): share of the piece at which they meet. On a straight way into
-    a convex body the depth rises to one top and falls again, so the top is
-    found by golden section and the first contact before it by halving.
-    """
+    """`touch` for pieces `piece` (p,) of a way: raises `depth` and lowers `first` (m,) to those of this hull."""
     tip = np.zeros(3)
     for p in range(len(piece)):
         i = piece[p]
-        depth[p], first[p] = 0.0, 0.0
-        a, s, e = axis[i], start[i], end[i]
-        if separation(outline, a, s, e, corners, tolerance) > 0.0:
-            continue
-        best, top = depth_on(outline, a, s, e, corners, normals, 0.0, tip), 0.0
-        at_end = depth_on(outline, a, s, e, corners, normals, 1.0, tip)
-        if at_end > best:
-            best, top = at_end, 1.0
-        low, high = 0.0, 1.0
-        left, right = high - GOLDEN, low + GOLDEN
-        at_left = depth_on(outline, a, s, e, corners, normals, left, tip)
-        at_right = depth_on(outline, a, s, e, corners, normals, right, tip)
-        length = math.sqrt(np.square(e[0] - s[0]) + np.square(e[1] - s[1]) + np.square(e[2] - s[2]))
-        for _ in range(ROUNDS):
-            if (high - low) * length < tolerance:
-                break
-            if at_left > best:
-                best, top = at_left, left
-            if at_right > best:
-                best, top = at_right, right
-            if at_left >= at_right:
-                high, right, at_right = right, left, at_left
-                left = high - GOLDEN * (high - low)
-                at_left = depth_on(outline, a, s, e, corners, normals, left, tip)
-            else:
-                low, left, at_left = left, right, at_right
-                right = low + GOLDEN * (high - low)
-                at_right = depth_on(outline, a, s, e, corners, normals, right, tip)
-        if best <= tolerance:
-            continue
-        depth[p] = best
-        if depth_on(outline, a, s, e, corners, normals, 0.0, tip) > 0.0:
-            continue
-        outside, inside = 0.0, top
-        for _ in range(ROUNDS):
-            middle = 0.5 * (outside + inside)
-            if depth_on(outline, a, s, e, corners, normals, middle, tip) > 0.0:
-                inside = middle
-            else:
-                outside = middle
-        first[p] = inside
+        deep, share = touch(outline, axis[i], start[i], end[i], corners, normals, tolerance, tip)
+        if deep > 0.0:
+            depth[i], first[i] = max(depth[i], deep), min(first[i], share)
+
+
+class Way(NamedTuple):
+    """A part of a tool that goes along straight pieces (m, 3), in bunches of neighbours; see `touch`.
+
+    `near` (p,): the pieces that count; `low`, `high` (m, 3): the room of each. Bunch b has those from
+    `begin[b]` to `begin[b + 1]` of `near`, in the room `bunch_low` to `bunch_high` (b, 3).
+    """
+
+    outline: Array
+    axis: Array
+    start: Array
+    end: Array
+    near: Ints
+    low: Array
+    high: Array
+    begin: Ints
+    bunch_low: Array
+    bunch_high: Array
+
+
+@kernel
+def apart(low: Array, high: Array, other_low: Array, other_high: Array) -> bool:
+    """Whether two upright boxes have no room in common."""
+    behind = high[0] <= other_low[0] or high[1] <= other_low[1] or high[2] <= other_low[2]
+    return behind or low[0] >= other_high[0] or low[1] >= other_high[1] or low[2] >= other_high[2]
+
+
+@kernel
+def most_depth(outline: Array, axis: Array, start: Array, end: Array, corners: Array, normals: Array) -> float:
+    """What `touch` cannot exceed: the least way out of the whole sweep, along directions that `depth_at` tries."""
+    least = math.inf
+    d, point = np.zeros(3), np.zeros(3)
+    for i in range(normals.shape[0] + 1):
+        for side in range(2):
+            for c in range(3):
+                d[c] = normals[i, c] if i < normals.shape[0] else axis[c]
+                if side == 1:
+                    d[c] = -d[c]
+            least = min(least, support(outline, axis, start, end, corners, d, point))
+    return least
+
+
+@kernel
+def lay_normals(corners: Array, normals: Array) -> bool:
+    """Unit directions (4, 3) across a triangle and, in its plane, across its edges; False if it is but a line."""
+    edge = np.zeros((3, 3))
+    for i in range(3):
+        for c in range(3):
+            edge[i, c] = corners[(i + 1) % 3, c] - corners[i, c]
+    cross(edge[0], edge[1], normals[0])
+    size = math.sqrt(normals[0, 0] * normals[0, 0] + normals[0, 1] * normals[0, 1] + normals[0, 2] * normals[0, 2])
+    if not size > 0.0:
+        return False
+    for c in range(3):
+        normals[0, c] /= size
+    for i in range(3):
+        cross(edge[i], normals[0], normals[i + 1])
+        size = math.sqrt(np.square(normals[i + 1, 0]) + np.square(normals[i + 1, 1]) + np.square(normals[i + 1, 2]))
+        for c in range(3):
+            normals[i + 1, c] /= size
+    return True
+
+
+@kernel
+def cross(a: Array, b: Array, out: Array) -> None:
+    """Vector product `out` (3,)."""
+    for c in range(3):
+        out[c] = a[(c + 1) % 3] * b[(c + 2) % 3] - a[(c + 2) % 3] * b[(c + 1) % 3]
+
+
+@kernel
+def facet_touches(facets: Array, way: Way, tolerance: float, first: Array, depth: Array) -> None:
+    """`touches` for triangles (t, 3, 3) [m], each a flat body; `first` and `depth` (m,).
+
+    A triangle that can neither raise the depth of a piece nor be met earlier is left out: in the midst of a tool
+    there are more triangles than one wants to measure.
+    """
+    tip, low, high, normals, until = np.zeros(3), np.zeros(3), np.zeros(3), np.zeros((4, 3)), np.zeros(3)
+    for t in range(facets.shape[0]):
+        corners = facets[t]
+        for c in range(3):
+            low[c] = min(corners[0, c], corners[1, c], corners[2, c])
+            high[c] = max(corners[0, c], corners[1, c], corners[2, c])
+        laid = False
+        for bunch in range(len(way.begin) - 1):
+            if apart(low, high, way.bunch_low[bunch], way.bunch_high[bunch]):
+                continue
+            if not laid:
+                if not lay_normals(corners, normals):
+                    break
+                laid = True
+            for p in range(way.begin[bunch], way.begin[bunch + 1]):
+                i = way.near[p]
+                if apart(low, high, way.low[i], way.high[i]):
+                    continue
+                axis, start, end = way.axis[i], way.start[i], way.end[i]
+                most = most_depth(way.outline, axis, start, end, corners, normals)
+                if most <= tolerance:
+                    continue
+                if most <= depth[i]:
+                    for c in range(3):
+                        until[c] = start[c] + first[i] * (end[c] - start[c])
+                    if first[i] == 0.0 or separation(way.outline, axis, start, until, corners, tolerance) > 0.0:
+                        continue
+                deep, share = touch(way.outline, axis, start, end, corners, normals, tolerance, tip)
+                if deep > 0.0:
+                    depth[i], first[i] = max(depth[i], deep), min(first[i], share)

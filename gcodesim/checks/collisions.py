@@ -21,7 +21,7 @@ from gcodesim.diagnostics.events import runs
 from gcodesim.frames import Array
 from gcodesim.frozen import frozen
 from gcodesim.scene import Role
-from gcodesim.solids import Hull, Placed, facet_hull, facets_of, hulls_of, outline_of
+from gcodesim.solids import Hull, Placed, facets_of, hulls_of, outline_of
 from gcodesim.tools.parts import body_part
 from gcodesim.units import MM
 
@@ -31,6 +31,7 @@ if TYPE_CHECKING:
 # bodies that enter each other by less than this only touch [m]
 TOUCH: Final = 1e-6
 _BUNCH: Final = 64  # neighbouring pieces that are compared with a hull as one
+_AT_ONCE: Final = 1024  # triangles for one call, so that a Ctrl-C is heard between two
 
 
 @frozen(slots=False, eq=False)
@@ -53,11 +54,6 @@ class Obstacle:
         low = np.array([hull.corners.min(axis=0) for hull in self.hulls]).reshape(-1, 3)
         high = np.array([hull.corners.max(axis=0) for hull in self.hulls]).reshape(-1, 3)
         return np.concatenate([low, self.facets.min(axis=1)]), np.concatenate([high, self.facets.max(axis=1)])
-
-    def hull(self, number: int) -> Hull | None:
-        """One of the convex bodies; None for a triangle whose corners lie on a line."""
-        one = number - len(self.hulls)
-        return self.hulls[number] if one < 0 else facet_hull(self.facets[one])
 
 
 @frozen(eq=False)
@@ -146,7 +142,7 @@ def _enter(
     outline: Array, fixture: Obstacle, start: Array, end: Array, axis: Array, depth: Array, share: Array
 ) -> None:
     """Raise `depth` (m,) of each piece to that of `outline` in `fixture`, and lower `share` (m,) to first contact."""
-    from gcodesim.checks.collision_kernels import touches
+    from gcodesim.checks.collision_kernels import Way, facet_touches, touches
 
     low, high = _boxes(outline, start, end, axis)
     hull_low, hull_high = fixture.boxes
@@ -160,21 +156,19 @@ def _enter(
     # bunches of pieces first, then the pieces of those bunches that come near a hull
     begin = np.arange(0, len(near), _BUNCH)
     bunch_low, bunch_high = np.minimum.reduceat(low[near], begin), np.maximum.reduceat(high[near], begin)
-    for number in _crossed(hull_low, hull_high, bunch_low, bunch_high).tolist():
-        hull, hull_from, hull_to = fixture.hull(number), hull_low[number], hull_high[number]
-        if hull is None:
-            continue
+    crossed = _crossed(hull_low, hull_high, bunch_low, bunch_high)
+    hulls = crossed[crossed < len(fixture.hulls)]
+    for number in hulls.tolist():
+        hull, hull_from, hull_to = fixture.hulls[number], hull_low[number], hull_high[number]
         bunches = begin[np.all(bunch_low < hull_to, axis=1) & np.all(bunch_high > hull_from, axis=1)]
         places = (bunches[:, None] + np.arange(_BUNCH)).ravel()
         some = near[places[places < len(near)]]
         piece = some[np.all(low[some] < hull_to, axis=1) & np.all(high[some] > hull_from, axis=1)].astype(np.int64)
-        if not len(piece):
-            continue
-        at, deep = np.zeros(len(piece)), np.zeros(len(piece))
-        touches(piece, outline, axis, start, end, hull.corners, hull.normals, TOUCH, at, deep)
-        inside = deep > 0.0
-        depth[piece] = np.maximum(depth[piece], deep)
-        share[piece[inside]] = np.minimum(share[piece[inside]], at[inside])
+        touches(piece, outline, axis, start, end, hull.corners, hull.normals, TOUCH, share, depth)
+    facets = crossed[len(hulls) :] - len(fixture.hulls)
+    way = Way(outline, axis, start, end, near, low, high, np.append(begin, len(near)), bunch_low, bunch_high)
+    for one in range(0, len(facets), _AT_ONCE):
+        facet_touches(fixture.facets[facets[one : one + _AT_ONCE]], way, TOUCH, share, depth)
 
 
 def _crossed(low: Array, high: Array, bunch_low: Array, bunch_high: Array) -> NDArray[np.intp]:

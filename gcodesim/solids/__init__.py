@@ -3,7 +3,7 @@
 Knows no cell, no machine and no tool; each of these has one place that says which solids it consists of.
 """
 
-from gcodesim.solids.convex import facet_hull, facets_of, hulls_of
+from gcodesim.solids.convex import facets_of, hulls_of
 from gcodesim.solids.hull import Hull
 from gcodesim.solids.mass import moments
 from gcodesim.solids.mesh_file import MeshError, MeshFile, Triangles, read_mesh
@@ -26,7 +26,6 @@ __all__ = [
     "Solid",
     "Sphere",
     "Triangles",
-    "facet_hull",
     "facets_of",
     "hulls_of",
     "moments",

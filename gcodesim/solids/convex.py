@@ -9,7 +9,6 @@ from typing import Final
 import numpy as np
 
 from gcodesim.arithmetic.elementary import cos, sin
-from gcodesim.arithmetic.matrices import norm
 from gcodesim.frames import Array
 from gcodesim.solids.hull import Hull
 from gcodesim.solids.outline import outline_of
@@ -65,14 +64,3 @@ def _prism(ends: list[tuple[float, float]], sides: int) -> Hull:
     if not straight:
         around = np.stack([across * cos(middle), across * sin(middle), along + 0.0 * middle], axis=1)
     return Hull(np.array(corners), np.vstack([around, [[0.0, 0.0, 1.0]]]))
-
-
-def facet_hull(corners: Array) -> Hull | None:
-    """A flat body of three corners (3, 3); None where they lie on a line."""
-    edges = np.roll(corners, -1, axis=0) - corners
-    normal = np.cross(edges[0], edges[1])
-    size = norm(normal)
-    if not size > 0.0:
-        return None
-    normal = normal / size
-    return Hull(corners, np.vstack([normal, np.cross(edges, normal)]))

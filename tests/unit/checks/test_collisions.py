@@ -155,6 +155,25 @@ def test_a_cylinder_and_a_mesh_stand_for_the_same_body() -> None:
     assert shell.share == pytest.approx(solid.share, abs=1e-6)
 
 
+def test_triangles_in_the_midst_of_a_tool_hide_none_that_is_met_earlier_or_is_deeper() -> None:
+    """A heap of triangles along a way of several pieces: all at once as each of them alone says."""
+    rng = np.random.default_rng(8)
+    corners = rng.uniform(-1.0, 1.0, (60, 1, 3)) * [0.04, 0.01, 0.01] + rng.uniform(-0.004, 0.004, (60, 3, 3))
+    corners[7] = corners[7, 0]  # no triangle at all
+    way = np.stack([np.linspace(-0.04, 0.04, 9), np.zeros(9), np.full(9, -0.005)], axis=1)
+
+    def found(piece: int, facets: np.ndarray) -> tuple[float, float] | None:
+        heap = Obstacle(name="heap", hulls=(), facets=facets)
+        events = fixture_touches(flat(0.012), [heap], way[piece : piece + 1], way[piece + 1 : piece + 2], UP)
+        return (events[0].share, events[0].depth) if events else None
+
+    for piece in range(8):
+        alone = [one for t in range(60) if (one := found(piece, corners[[t]]))]
+        assert len(alone) > 2
+        expected = (min(share for share, _ in alone), max(depth for _, depth in alone))
+        assert expected == found(piece, corners) == found(piece, corners[::-1])
+
+
 def test_many_pieces_far_away_cost_little_and_find_nothing() -> None:
     rng = np.random.default_rng(3)
     way = rng.uniform(0.1, 0.2, (20001, 3))

@@ -17,7 +17,6 @@ from gcodesim.solids import (
     Revolution,
     Solid,
     Sphere,
-    facet_hull,
     facets_of,
     hulls_of,
     triangles_of,
@@ -71,10 +70,6 @@ def test_a_mesh_is_a_body_a_triangle() -> None:
 
     assert hulls_of(Placed(Mesh(source=skin))) == ()
     assert facets == pytest.approx(X.apply(skin.points)[skin.faces])
-    for corners in facets:
-        hull = facet_hull(corners)
-        assert hull is not None and hull.corners is corners and hull.normals.shape == (4, 3)
-    assert facet_hull(facets[0][[0, 1, 1]]) is None
 
 
 def test_convex_bodies_stay_what_they_are() -> None:
