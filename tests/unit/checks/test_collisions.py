@@ -174,6 +174,16 @@ def test_triangles_in_the_midst_of_a_tool_hide_none_that_is_met_earlier_or_is_de
         assert expected == found(piece, corners) == found(piece, corners[::-1])
 
 
+def test_a_shallow_triangle_behind_a_deep_one_is_met_first() -> None:
+    """One across the whole way at X0, one of 0.1 mm at X-10 that only the side of the cutter brushes."""
+    deep = np.array([[0.0, -0.02, 0.0], [0.0, 0.02, 0.0], [0.0, 0.0, 0.02]])
+    shallow = np.array([-0.010, 0.0059, 0.010]) + 1e-4 * np.array([[0, 0, 0], [1, 0, 0], [0, 0, 1]])
+    heap = Obstacle(name="heap", hulls=(), facets=np.stack([deep, shallow]))
+    (both,) = touch(flat(0.012), heap, (-0.04, 0.0, 0.0), (0.04, 0.0, 0.0))
+    assert -0.0115 < both.tip[0] < -0.0110  # 1.09 mm before the middle of the small one, by Pythagoras
+    assert both.depth == pytest.approx(0.006, abs=1e-6)
+
+
 def test_many_pieces_far_away_cost_little_and_find_nothing() -> None:
     rng = np.random.default_rng(3)
     way = rng.uniform(0.1, 0.2, (20001, 3))
