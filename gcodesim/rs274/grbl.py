@@ -63,6 +63,10 @@ class GrblExecutor(Executor):
         problem = _refusal(text)
         if problem is None:
             super()._line(file, index, text)
+            if (lost := _lost_behind(text)) is not None:
+                self.control.span = Span.of_line(file.name, index + 1, text)
+                message = "the comment is never closed; Grbl passes over the rest of the line"
+                self.control.warn("GS003", message, "add `)`", place=lost)
             return
         self.control.span = Span.of_line(file.name, index + 1, text)
         self._fault(problem, file, index, text, None)
@@ -108,6 +112,12 @@ def _as_taken_in(text: str) -> str:
             inside = char == "("
             out.append(" " if char == "/" else char)
     return "".join(out) + ")" * inside
+
+
+def _lost_behind(text: str) -> tuple[int, int] | None:
+    """Where a comment stands that no bracket closes; None in other lines."""
+    taken = _as_taken_in(text)
+    return (taken.rindex("("), len(text)) if len(taken) > len(text) else None
 
 
 def _refusal(text: str) -> Fault | None:

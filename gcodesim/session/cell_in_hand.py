@@ -51,6 +51,7 @@ if TYPE_CHECKING:
 
 _OWN: Final = str(Path(__file__).parents[1])
 _NO_SCRIPT: Final = "session"
+_MOST_WAITING: Final = 10_000  # steps: then they are run, though nobody asks what they did
 _UNLIMITED: Final = 1e6  # [rad/s, m/s, and per s] where a description names no limit
 
 
@@ -125,6 +126,7 @@ class OpenCell:
         self._step_ns = job.cell.simulation.step_ns
         self._wanted_ns = self._done_steps = 0
         self._waiting: list[Stretched] = []
+        self._waiting_steps = 0
         self._events: list[ToolChange] = []
         self._q = job.shop.home.copy()
         self._qd = np.zeros_like(self._q)
@@ -274,8 +276,10 @@ class OpenCell:
         self._wanted_ns += round(seconds * 1e9)
         count = self._wanted_ns // self._step_ns
         self._wanted_ns -= count * self._step_ns
-        if count:
-            self._pass(count)
+        while count:
+            some = min(count, _MOST_WAITING)
+            self._pass(some)
+            count -= some
 
     def close(self) -> None:
         """End the run, write what is to be written; further calls do nothing."""
@@ -327,10 +331,13 @@ class OpenCell:
         """Steps through joint vectors (n + 1, j) that are to be run."""
         events, self._events = tuple(self._events), []
         self._waiting.append(Stretched(q=table, state=self._state, span=_caller(), active=self._active, events=events))
+        self._waiting_steps += len(table) - 1
+        if self._waiting_steps >= _MOST_WAITING:
+            self._flush()
 
     def _flush(self) -> None:
         """Run all steps that wait."""
-        stretches, self._waiting = merged(self._waiting), []
+        stretches, self._waiting, self._waiting_steps = merged(self._waiting), [], 0
         if stretches:
             changes = standing_of(self._shop.cell, self._shop.channel)
             self._advance(plan_of(stretches, self._shop, self._step_ns * 1e-9, changes))

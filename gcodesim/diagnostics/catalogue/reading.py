@@ -25,7 +25,7 @@ CODES: tuple[Code, ...] = (
         severity=Severity.ERROR,
         title="Comment not closed or nested",
         what="A `(` opens a comment that never closes, or a second `(` stands inside a comment.",
-        why="Everything behind the parenthesis is lost to the control.",
+        why="Everything behind the parenthesis is lost to the control; Grbl passes over it without a word (a warning).",
         remedy="Close the comment with `)`. A comment to the end of the line starts with `;`.",
     ),
     Code(

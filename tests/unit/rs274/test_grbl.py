@@ -79,12 +79,22 @@ def test_m1_does_not_stop(grbl):
     assert [(f.code, f.level.word, f.span.line) for f in done.findings] == [("GS194", "warning", 2)]
 
 
-@pytest.mark.parametrize("line", ["G0 X1 (left open", "G0 (a (b) X1", "G0 / X1", "/ G0 X1 (;)"])
+@pytest.mark.parametrize("line", ["G0 (a (b) X1", "G0 / X1", "/ G0 X1 (;)"])
 def test_what_it_passes_over(grbl, line):
     done = grbl(f"{line}\nG0 Y2\n")
 
     assert done.ends == [[1, 0, 0], [1, 2, 0]]
     assert not done.findings
+
+
+def test_a_comment_that_is_left_open_swallows_its_line_and_is_told(grbl):
+    """As in `protocol.c` of Grbl 1.1: the flag of a comment is cleared at the end of the line."""
+    done = grbl("G0 X1 (left open Y5\n(closed) G0 Y2 ; (no comment\n")
+
+    assert done.ends == [[1, 0, 0], [1, 2, 0]]
+    assert [(f.code, f.level.word, f.span.line, f.span.column, f.span.end_column) for f in done.findings] == [
+        ("GS003", "warning", 1, 7, 20)
+    ]
 
 
 def test_a_comment_ends_at_its_first_bracket(grbl):

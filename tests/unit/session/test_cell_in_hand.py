@@ -12,7 +12,7 @@ import pytest
 
 import gcodesim
 from gcodesim.log.summary import summary
-from gcodesim.session import MisuseError, OpenCell
+from gcodesim.session import MisuseError, OpenCell, cell_in_hand
 
 CELL = """\
 gcodesim: 1
@@ -127,6 +127,20 @@ def test_what_is_stepped_through_is_one_run_however_it_is_asked(tmp_path: Path) 
 
     assert logs[0].joints == logs[1].joints
     assert logs[0].times.feed == pytest.approx(logs[1].times.feed, abs=1e-12)
+
+
+def test_steps_do_not_wait_without_end(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A script that steps for a day and asks nothing needs no more memory than one that asks."""
+    monkeypatch.setattr(cell_in_hand, "_MOST_WAITING", 10)
+    with gcodesim.open_cell(_cell(tmp_path), out=tmp_path / "out") as cell:
+        arm = cell.robot()
+        arm.set_joint_position({arm.joint_names[1]: -1.2})
+        for seconds in (*[0.004] * 12, 0.2):
+            cell.step(seconds)
+            assert sum(len(stretch.q) - 1 for stretch in cell._waiting) < 10
+        assert cell.time == pytest.approx(0.248)
+        assert arm.joint_state.position[1] > -1.5708
+    assert (tmp_path / "out" / "run.mcap").exists()
 
 
 def test_the_same_session_gives_the_same_bytes(tmp_path: Path) -> None:
