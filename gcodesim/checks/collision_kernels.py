@@ -338,8 +338,9 @@ class Way(NamedTuple):
 @kernel
 def apart(low: Array, high: Array, other_low: Array, other_high: Array) -> bool:
     """Whether two upright boxes have no room in common."""
-    behind = high[0] <= other_low[0] or high[1] <= other_low[1] or high[2] <= other_low[2]
-    return behind or low[0] >= other_high[0] or low[1] >= other_high[1] or low[2] >= other_high[2]
+    behind: bool = high[0] <= other_low[0] or high[1] <= other_low[1] or high[2] <= other_low[2]
+    before: bool = low[0] >= other_high[0] or low[1] >= other_high[1] or low[2] >= other_high[2]
+    return behind or before
 
 
 @kernel
