@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import signal
 import threading
 from collections.abc import Callable, Iterator
@@ -30,6 +31,12 @@ class LastSignal:
 def interrupted_by(number: int) -> int:
     """The exit status: 130 for SIGINT, 143 for SIGTERM, 129 for SIGHUP."""
     return 128 + int(number)
+
+
+def leave_at_once(number: int, _frame: FrameType | None) -> None:
+    """A handler for servers: one of their threads reads, and an orderly end would wait for the client's next word."""
+    os.write(2, b"gcodesim: interrupted\n")  # not print: a signal may come while a stream is in use
+    os._exit(interrupted_by(number))
 
 
 @contextmanager

@@ -145,6 +145,40 @@ def test_a_signal_in_a_run_of_test_and_accept_has_its_own_status(
         assert (done.status, done.err) == (128 + number, "gcodesim: interrupted\n")
 
 
+_HELLO = {
+    "lsp": {"processId": None, "rootUri": None, "capabilities": {}},
+    "mcp": {"protocolVersion": "2025-03-26", "capabilities": {}, "clientInfo": {"name": "test", "version": "1"}},
+}
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("command", _HELLO)
+def test_servers_end_while_their_client_says_nothing(command: str, number: signal.Signals, tmp_path: Path) -> None:
+    """Their standard input stays open, as that of an editor that hangs, or of a shell."""
+    hello = json.dumps({"jsonrpc": "2.0", "id": 1, "method": "initialize", "params": _HELLO[command]}).encode()
+    begin = "import signal, sys; signal.signal(signal.SIGINT, signal.default_int_handler)"
+    server = subprocess.Popen(
+        [sys.executable, "-c", f"{begin}; from gcodesim.cli import main; sys.exit(main([{command!r}]))"],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        cwd=tmp_path,
+    )
+    assert server.stdin and server.stdout and server.stderr
+    try:
+        server.stdin.write(hello + b"\n" if command == "mcp" else b"Content-Length: %d\r\n\r\n" % len(hello) + hello)
+        server.stdin.flush()
+        server.stdout.readline()  # it is there
+        server.send_signal(number)
+        assert server.wait(60) == 128 + number
+        assert server.stderr.read().endswith(b"gcodesim: interrupted\n")
+    finally:
+        server.kill()
+        server.wait()
+        for pipe in (server.stdin, server.stdout, server.stderr):
+            pipe.close()
+
+
 _WHILE_LOADING = """
 import os, runpy, signal, sys
 

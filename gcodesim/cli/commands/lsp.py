@@ -5,10 +5,12 @@ from __future__ import annotations
 import argparse
 import os
 import sys
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
 from gcodesim.cli.exits import OK, UsageError
+from gcodesim.cli.interrupts import handled, leave_at_once
 from gcodesim.cli.nearest import no_such
 from gcodesim.cli.options import dialects
 from gcodesim.cli.outline import may_be
@@ -65,7 +67,10 @@ def run(arguments: argparse.Namespace) -> int:
         allow_paths=tuple(arguments.allow_path),
         out=arguments.out,
     )
-    # of its own, since the server closes both at its end
-    with os.fdopen(os.dup(sys.stdin.fileno()), "rb") as asked, os.fdopen(os.dup(sys.stdout.fileno()), "wb") as said:
+    with ExitStack() as stack:
+        # of its own, since the server closes both at its end
+        asked = stack.enter_context(os.fdopen(os.dup(sys.stdin.fileno()), "rb"))
+        said = stack.enter_context(os.fdopen(os.dup(sys.stdout.fileno()), "wb"))
+        stack.enter_context(handled(leave_at_once))
         serve(choices).start_io(asked, said)
     return OK

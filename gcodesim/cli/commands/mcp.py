@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from gcodesim.cli.exits import OK, UsageError
+from gcodesim.cli.interrupts import handled, leave_at_once
 from gcodesim.extras import require_extra
 
 
@@ -41,5 +42,6 @@ def run(arguments: argparse.Namespace) -> int:
     server = MCPServer("gcodesim", version=__version__)
     for tool in (tools.lint, tools.check, tools.run, tools.diff, tools.explain):
         server.tool(structured_output=True)(tool)
-    server.run("stdio")
+    with handled(leave_at_once):
+        server.run("stdio")
     return OK
