@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Final
 
 from gcodesim.compiled import Kernel
-from gcodesim.compiled.arguments import Argument, Arguments, class_of, of_text
+from gcodesim.compiled.arguments import Arguments, of_text
 from gcodesim.compiled.folder import folders
 from gcodesim.compiled.object_code import is_kept
 
@@ -43,19 +43,10 @@ def kernel_of(signature: str) -> tuple[Kernel, Arguments]:
     try:
         kernel = reduce(getattr, place.split("."), import_module(module))
         if isinstance(kernel, Kernel):
-            arguments = of_text(types)
-            if all(map(_has_its_fields, arguments)):
-                return kernel, arguments
+            return kernel, of_text(types)
     except (ImportError, AttributeError):
         pass
     raise ValueError(f"there is no kernel {signature}")
-
-
-def _has_its_fields(argument: Argument) -> bool:
-    """Whether the named tuples of a type have as many parts as their classes have fields."""
-    parts = argument.parts or ()
-    fields = getattr(class_of(argument.named), "_fields", ()) if argument.named else parts
-    return len(parts) == len(fields) and all(map(_has_its_fields, parts))
 
 
 def missing(signatures: tuple[str, ...]) -> list[str]:

@@ -110,7 +110,7 @@ def hangs(columns: Columns, i: int, j: int, tip: float, nozzle: Nozzle) -> bool:
     for k in range(count[i, j] - 1, -1, -1):
         if lo[i, j, k] <= tip + nozzle.fuse and hi[i, j, k] > lo[i, j, k]:
             within = lo[i, j, k] > tip - nozzle.height + nozzle.fuse
-            return within or tip - hi[i, j, k] > DEEPEST * nozzle.height
+            return bool(within or tip - hi[i, j, k] > DEEPEST * nozzle.height)
     return True
 
 
