@@ -62,7 +62,7 @@ def test_the_tables_of_the_readme_are_whole() -> None:
     assert {name for name, _ in rows} == {path.name for path in programs}
     named = {cell for _, cells in rows for cell in re.findall(r"`(\w+)`", cells)}
     assert named == {path.stem for path in (TOP / "cells").glob("*.yaml")}
-    assert len(MODELS) == 11 and "Eleven machines ship with gcodesim" in text
+    assert len(MODELS) == 12 and "Twelve machines ship with gcodesim" in text
 
 
 def _faults(console: Console, block: Block) -> list[str]:
