@@ -18,6 +18,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.arithmetic.root_kernels import cube_root
 from gcodesim.compiled import kernel
 from gcodesim.material.bead_kernels import Bead, bead_thickness, fill_layer, unite
 from gcodesim.material.field_kernels import PATCH_SHIFT, Columns, Field
@@ -375,7 +376,7 @@ def lay_blob(field: Field, at: Array, volume: float, nozzle: Nozzle, before: flo
         return 0.0, 0.0, volume
     if at[2] - top_below(columns, i, j, at[2], nozzle.fuse) > DEEPEST * nozzle.height:
         return 0.0, 0.0, volume
-    ball = (1.5 / math.pi * (before + volume)) ** (1.0 / 3.0)
+    ball = cube_root(1.5 / math.pi * (before + volume))
     reach = max(SPREAD * WIDEST * nozzle.width, ball, math.hypot(grid.dx, grid.dy))
     room = around(field, at, at, reach, nozzle, True, -1.0)
     if not has_interval(columns, room):
