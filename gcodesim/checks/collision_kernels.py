@@ -316,7 +316,7 @@ def touches(
             depth[i], first[i] = max(depth[i], deep), min(first[i], share)
 
 
-class Way(NamedTuple):
+class Crossing(NamedTuple):
     """A part of a tool that goes along straight pieces (m, 3), in bunches of neighbours; see `touch`.
 
     `near` (p,): the pieces that count; `low`, `high` (m, 3): the room of each. Bunch b has those from
@@ -387,7 +387,7 @@ def cross(a: Array, b: Array, out: Array) -> None:
 
 
 @kernel
-def facet_touches(facets: Array, way: Way, tolerance: float, first: Array, depth: Array) -> None:
+def facet_touches(facets: Array, way: Crossing, tolerance: float, first: Array, depth: Array) -> None:
     """`touches` for triangles (t, 3, 3) [m], each a flat body; `first` and `depth` (m,).
 
     A triangle that can neither raise the depth of a piece nor be met earlier is left out: in the midst of a tool

@@ -142,7 +142,7 @@ def _enter(
     outline: Array, fixture: Obstacle, start: Array, end: Array, axis: Array, depth: Array, share: Array
 ) -> None:
     """Raise `depth` (m,) of each piece to that of `outline` in `fixture`, and lower `share` (m,) to first contact."""
-    from gcodesim.checks.collision_kernels import Way, facet_touches, touches
+    from gcodesim.checks.collision_kernels import Crossing, facet_touches, touches
 
     low, high = _boxes(outline, start, end, axis)
     hull_low, hull_high = fixture.boxes
@@ -166,7 +166,7 @@ def _enter(
         piece = some[np.all(low[some] < hull_to, axis=1) & np.all(high[some] > hull_from, axis=1)].astype(np.int64)
         touches(piece, outline, axis, start, end, hull.corners, hull.normals, TOUCH, share, depth)
     facets = crossed[len(hulls) :] - len(fixture.hulls)
-    way = Way(outline, axis, start, end, near, low, high, np.append(begin, len(near)), bunch_low, bunch_high)
+    way = Crossing(outline, axis, start, end, near, low, high, np.append(begin, len(near)), bunch_low, bunch_high)
     for one in range(0, len(facets), _AT_ONCE):
         facet_touches(fixture.facets[facets[one : one + _AT_ONCE]], way, TOUCH, share, depth)
 

@@ -53,7 +53,7 @@ CLOSE, CLOSE_SPEED = 1.0e-3, 1.0e-6  # share of the speed, and speed [m/s], up t
 LEAST_CHANGE = 0.1  # of the derivative, beside that of a tip that feels nothing, for which Broyden's method learns
 
 
-class Cut(NamedTuple):
+class FreeCut(NamedTuple):
     """A cutter in a part of a step. `ends` (2, 3) [m]: where it begins and would end alone; `teeth_rate` [1/s].
 
     `told` (3,) is the commanded velocity [m/s], `feed` (2,) the level direction in which the tool has cut so far; it
@@ -74,8 +74,8 @@ class Give(NamedTuple):
     more: Array
 
 
-class Spot(NamedTuple):
-    """What does not change while a part is solved: no material nearby is higher than `top` [m]; see `Cut`."""
+class Bite(NamedTuple):
+    """What does not change while a part is solved: no material nearby is higher than `top` [m]; see `FreeCut`."""
 
     teeth: Teeth
     place: Array
@@ -96,31 +96,31 @@ def copy_into(source: Array, target: Array) -> None:
 
 
 @kernel(lean=True)
-def level_way(spot: Spot, v: Array) -> tuple[float, float, float]:
+def level_way(bite: Bite, v: Array) -> tuple[float, float, float]:
     """The level direction (x, y) of chips at velocity v (3,), and how fast the tip goes along it [m/s]."""
-    x, y = spot.hold * spot.feed[0] + v[0], spot.hold * spot.feed[1] + v[1]
+    x, y = bite.hold * bite.feed[0] + v[0], bite.hold * bite.feed[1] + v[1]
     size = np.sqrt(x * x + y * y)
     if size <= LEAST_SPEED:
-        return float(spot.feed[0]), float(spot.feed[1]), 0.0
+        return float(bite.feed[0]), float(bite.feed[1]), 0.0
     x, y = x / size, y / size
     return float(x), float(y), float(max(x * v[0] + y * v[1], 0.0))
 
 
 @kernel(lean=True)
-def wrench_on_way(field: Field, spot: Spot, v: Array, room: Room, result: Array) -> float:
+def wrench_on_way(field: Field, bite: Bite, v: Array, room: Room, result: Array) -> float:
     """Wrench at velocity v (3,) [m/s], into `result` (RESULT,); returns the chip [m] for which it is."""
-    ux, uy, flat = level_way(spot, v)
+    ux, uy, flat = level_way(bite, v)
     speed = np.sqrt(flat * flat + v[2] * v[2])
     if speed <= LEAST_SPEED:
         result[:] = 0.0
         return THINNEST
     level = flat / speed if flat > LEAST_LEVEL * speed else 0.0
     heading = Heading(ux, uy, level, v[2] / speed)
-    chip = min(speed / spot.teeth_rate, spot.most)
-    cutting_force(field, spot.teeth, spot.place, heading, chip, spot.top, room, result)
-    if chip > spot.told and result[0] * v[0] + result[1] * v[1] + result[2] * v[2] > 0.0:
-        chip = spot.told
-        cutting_force(field, spot.teeth, spot.place, heading, chip, spot.top, room, result)
+    chip = min(speed / bite.teeth_rate, bite.most)
+    cutting_force(field, bite.teeth, bite.place, heading, chip, bite.top, room, result)
+    if chip > bite.told and result[0] * v[0] + result[1] * v[1] + result[2] * v[2] > 0.0:
+        chip = bite.told
+        cutting_force(field, bite.teeth, bite.place, heading, chip, bite.top, room, result)
     return float(chip)
 
 
@@ -135,7 +135,7 @@ def following(give: Give, axis: int, wrench: Array) -> float:
 
 @kernel(lean=True)
 def find_height(
-    field: Field, spot: Spot, give: Give, v: Array, near: tuple[float, float], far: float, room: Room, result: Array
+    field: Field, bite: Bite, give: Give, v: Array, near: tuple[float, float], far: float, room: Room, result: Array
 ) -> float:
     """Solve for v[2] between `near`, a place with its gap, and `far`, beginning at v[2]; returns the chip.
 
@@ -145,7 +145,7 @@ def find_height(
     gap_far, known, chip = 0.0, False, 0.0
     v[2] = min(max(v[2], min(at, far)), max(at, far))
     for _ in range(LOOKS):
-        chip = wrench_on_way(field, spot, v, room, result)
+        chip = wrench_on_way(field, bite, v, room, result)
         gap = following(give, 2, result) - v[2]
         if abs(gap) <= CLOSE * abs(v[2]) + CLOSE_SPEED or (v[2] == far and gap * gap_at > 0.0):
             break
@@ -160,31 +160,31 @@ def find_height(
 
 @kernel(lean=True)
 def settle_height(
-    field: Field, spot: Spot, give: Give, v: Array, room: Room, result: Array, spare: Array
+    field: Field, bite: Bite, give: Give, v: Array, room: Room, result: Array, spare: Array
 ) -> tuple[float, float]:
     """Solve for v[2] with the level part of v as it is; `result` is the wrench then.
 
     Returns the chip [m], and of which speed along the axis [m/s] it is.
     """
     before, flat = v[2], np.sqrt(v[0] * v[0] + v[1] * v[1])
-    free = spot.slope * flat
+    free = bite.slope * flat
     v[2] = 0.0
-    chip = wrench_on_way(field, spot, v, room, result)
+    chip = wrench_on_way(field, bite, v, room, result)
     alone = following(give, 2, result)
     if alone >= 0.0:
         v[2] = before
-        chip = find_height(field, spot, give, v, (0.0, alone), alone, room, result)
+        chip = find_height(field, bite, give, v, (0.0, alone), alone, room, result)
         return chip, v[2]
     if alone >= -free:
         v[2] = alone
         return chip, 0.0
     slow = -(free + RESTS * flat + CLOSE_SPEED)
     v[2] = slow
-    wrench_on_way(field, spot, v, room, spare)
+    wrench_on_way(field, bite, v, room, spare)
     carried = following(give, 2, spare)
     if carried < slow:
         v[2] = before
-        chip = find_height(field, spot, give, v, (slow, carried - slow), carried, room, result)
+        chip = find_height(field, bite, give, v, (slow, carried - slow), carried, room, result)
         return chip, v[2]
     share = min(max((-free - alone) / (carried - alone), 0.0), 1.0)  # its floor carries it
     for c in range(TORQUE + 1):
@@ -195,7 +195,7 @@ def settle_height(
 
 @kernel(lean=True)
 def solve_way(
-    field: Field, spot: Spot, give: Give, v: Array, room: Room, kept: tuple[Array, Array, Array, Array], result: Array
+    field: Field, bite: Bite, give: Give, v: Array, room: Room, kept: tuple[Array, Array, Array, Array], result: Array
 ) -> tuple[float, float]:
     """Solve for v (3,), from `v` on; `result` is the wrench then. `kept` is room to work in.
 
@@ -206,7 +206,7 @@ def solve_way(
     r0, r1, s0, s1, least = 0.0, 0.0, 0.0, 0.0, np.inf
     best_chip, best_fall = 0.0, 0.0
     for turn in range(ROUNDS):
-        chip, fall = settle_height(field, spot, give, v, room, result, spare)
+        chip, fall = settle_height(field, bite, give, v, room, result, spare)
         g0, g1 = v[0] - following(give, 0, result), v[1] - following(give, 1, result)
         size = np.sqrt(g0 * g0 + g1 * g1)
         if size <= CLOSE * np.sqrt(v[0] * v[0] + v[1] * v[1]) + CLOSE_SPEED:
@@ -238,7 +238,7 @@ def solve_way(
 def balance(
     field: Field,
     tool: MillingTool,
-    cut: Cut,
+    cut: FreeCut,
     give: Give,
     room: Room,
     values: Array,
@@ -271,10 +271,10 @@ def balance(
     most = max(MOST * chip, THICK * tool.teeth.radius)
     slope = HOLLOW if told[2] >= -LEAST_ADVANCE * speed else 0.0
     hold = cut.hold if state.numbers[CUTTING] > 0.0 else 0.0
-    spot = Spot(tool.teeth, way.before, top, cut.teeth_rate, chip, most, slope, cut.feed, hold)
+    bite = Bite(tool.teeth, way.before, top, cut.teeth_rate, chip, most, slope, cut.feed, hold)
     kept = (np.empty(RESULT), np.empty(3), np.empty(RESULT), np.empty((2, 2)))
-    chip, fall = solve_way(field, spot, give, v, room, kept, result)
-    ux, uy, flat = level_way(spot, v)
+    chip, fall = solve_way(field, bite, give, v, room, kept, result)
+    ux, uy, flat = level_way(bite, v)
     speed = np.sqrt(flat * flat + fall * fall)
     share = chip * cut.teeth_rate / speed if speed > 0.0 else 0.0
     chips[0], chips[1], chips[2] = share * ux * flat, share * uy * flat, share * fall

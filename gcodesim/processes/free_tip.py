@@ -85,7 +85,7 @@ def _part_way(
 
     `alone` is the part as the tip would make it alone, from where it is; `felt` (6,) the wrench before.
     """
-    from gcodesim.processes.balance_kernels import Cut, Give, balance
+    from gcodesim.processes.balance_kernels import FreeCut, Give, balance
     from gcodesim.processes.force_kernels import RESULT
 
     values, kept = state.values.copy(), memory_of(state.values)
@@ -100,7 +100,7 @@ def _part_way(
     feed = np.array(kept.feed) if kept.feed.any() else np.array([1.0, 0.0])
     hold = stock.cell / (step.dt * float(step.share[part]))
     rate = float(alone.spindle[0]) * process.packed_tool.teeth.number / (2.0 * np.pi)
-    cut = Cut(
+    cut = FreeCut(
         np.array([local.starts[0] + bend, local.ends[-1] + bend]), rate, applied(back, step.told[part]), feed, hold
     )
     halves = [multiplied(back, np.ascontiguousarray(step.response[:, k : k + 3]), frame) for k in (0, 3)]
