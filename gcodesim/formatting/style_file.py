@@ -21,20 +21,20 @@ FORMAT: Final = 1
 
 
 @frozen
-class Settings:
+class ShopSettings:
     """All keys of the file."""
 
     gcodesim_settings: int = key(Whole(), "version of the form", name="gcodesim-settings", default=FORMAT, quiet=True)
     format: Style = key(Record(Style, "`format`"), "how `gcodesim fmt` writes programs", default=Style())
 
-    def checked(self, to: Reading, path: Path) -> Settings | Unread:
+    def checked(self, to: Reading, path: Path) -> ShopSettings | Unread:
         if self.gcodesim_settings != FORMAT:
             message = f"the form is version {self.gcodesim_settings}; this gcodesim reads version {FORMAT}"
             return to.fault("GS711", to.span(("gcodesim-settings",)), message)
         return self
 
 
-_ROOT: Final = Record(Settings, "the settings")
+_ROOT: Final = Record(ShopSettings, "the settings")
 
 
 @frozen
@@ -66,7 +66,7 @@ def read_style(source: SourceText, folder: FilePath) -> FoundStyle:
     to = Reading(file=source.name, findings=findings, shelf=Shelf(folder=folder, whose="settings"))
     root = compose(source, findings, what="settings file", example="format: {case: lower}")
     read = None if root is None else _ROOT.read(root, to, ())
-    style = read.format if isinstance(read, Settings) and not findings.has_errors() else None
+    style = read.format if isinstance(read, ShopSettings) and not findings.has_errors() else None
     return FoundStyle(style=style, source=source, findings=tuple(findings))
 
 
