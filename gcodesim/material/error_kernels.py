@@ -29,7 +29,7 @@ from gcodesim.material.wall_kernels import HEIGHT, LOWER, Singles
 
 Array = NDArray[np.float64]
 
-BEND = 0.055  # of a cell's area by the change of a wall's direction [cells a row]; an arc and its chords: 1 / 24
+BEND = 0.1  # of a cell's area by the change of a wall's direction [cells a row]; an arc and its chords: 1 / 24
 END = 0.1  # of a cell's area where a wall ends
 TWICE = 0.05  # of a cell's area by the height of a wall's further place, which stands for all but the nearest
 SINGLE = 3.0e-7  # of a cell's area: places are numbers of single precision

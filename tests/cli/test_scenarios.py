@@ -25,7 +25,7 @@ def test_first_five_minutes(cli, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     assert done.status == 0
     assert "part.nc: no errors, no warnings" in done.out
     removed, bound = re.search(r"removed +([\d.]+) mm³ +± ([\d.]+) mm³", done.out).groups()
-    assert abs(float(removed) - 656.5) <= min(float(bound), 3.3)
+    assert abs(float(removed) - 656.549) <= min(float(bound), 3.3)
     assert re.search(r"feed distance +57\.0 mm", done.out)
     assert re.search(r"feed +7\.[01] s", done.out)
     assert "files in out:" in done.out and "look at it:" in done.out

@@ -87,6 +87,8 @@ FORMS = {
 
 VEE = ("groove", "turned groove")
 """Kinks whose errors undo each other at some distances."""
+ARCS = ("arc groove", "helix bore")
+"""Upright walls along arcs, whose chords bend less on fine grids than the bound grants."""
 
 
 def table(form: Cut, cell: float, seed: int) -> tuple[np.ndarray, np.ndarray]:
@@ -102,6 +104,17 @@ def table(form: Cut, cell: float, seed: int) -> tuple[np.ndarray, np.ndarray]:
     return np.array(errors), np.array(bounds)
 
 
+def test_the_bound_of_cuts_across_each_other_is_not_exceeded() -> None:
+    """Round ends, slopes and chords of three tools in one block, beside a grid that is ten times as fine."""
+    points = np.array([[5, 5, -3], [35, 12, -3], [20, 25, -6], [8, 8, -1]]) * MM
+    for cell in (1.0, 0.5, 0.25):
+        coarse, fine = (Stock.box((0, 0, -15 * MM), (40 * MM, 30 * MM, 0), own * MM) for own in (cell, 0.05))
+        for stock in (coarse, fine):
+            for tool in (shape.ball(6 * MM, 20 * MM), shape.flat(5 * MM, 20 * MM), shape.cone(8 * MM, 2.0, 20 * MM)):
+                stock.remove(points[:-1], points[1:], tool)
+        assert abs(coarse.volume - fine.volume) <= coarse.error_bound()
+
+
 @pytest.mark.parametrize("cell", [1.0, 0.5, 0.25])
 @pytest.mark.parametrize("name", FORMS)
 def test_the_bound_is_never_exceeded_and_not_far_above(name: str, cell: float) -> None:
@@ -109,7 +122,7 @@ def test_the_bound_is_never_exceeded_and_not_far_above(name: str, cell: float) -
     errors, bounds = table(FORMS[name], cell, seed=int(100 * cell))
 
     assert (errors <= bounds).all()
-    share = 15.0 if name in VEE else 10.0
+    share = 15.0 if name in VEE else 20.0 if name in ARCS and cell < 0.5 else 10.0
     assert bounds.mean() <= share * np.sqrt((errors**2).mean())
 
 

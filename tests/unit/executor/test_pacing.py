@@ -110,7 +110,8 @@ def test_forces_and_volumes_are_those_of_ticks(both: tuple[Ran, Ran]) -> None:
     rows = ticks["removed"] > 0.005 * ticks["removed"].max()
     assert rows.sum() == 6
     for name in ("force", "peak_force", "torque", "peak_torque"):
-        assert path[name][rows] == pytest.approx(ticks[name][rows], rel=0.03), name
+        off = 0.05 if "peak" in name else 0.03  # peaks are looked for at other places
+        assert path[name][rows] == pytest.approx(ticks[name][rows], rel=off), name
 
 
 def test_joints_are_those_of_ticks(both: tuple[Ran, Ran]) -> None:
