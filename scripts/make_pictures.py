@@ -62,6 +62,7 @@ GALLERY = {
     "cut_and_blast.png": Shot("cut_and_blast", 4.8, "--target 0.425 0.28 -0.27 --span 0.22"),
     "cutters.png": Shot("cutters", 125.0, "--target 0.5 0.36 -0.3 --span 0.36 --tilt 35"),
     "flange.png": Shot("flange", None, "--target 0.4 0.3 -0.27 --span 0.3"),
+    "hub.png": Shot("hub", 62.0, "--target 0 0 0.13 --span 0.2 --turn -25 --tilt 20"),
     "inspection.png": Shot("inspection", 8.0, "--target 0.53 0.33 -0.29 --span 0.4"),
     "learned_wall.png": Shot("learned_wall", 26.0, "--target 0.53 -0.03 0.24 --span 0.45"),
     "machine_tending.png": Shot("machine_tending", 9.0),
