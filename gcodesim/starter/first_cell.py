@@ -184,9 +184,10 @@ class FirstCell:
             low, high = travel[k]
             speed = "30 m/min, acceleration: 3 m/s^2" if k < 2 else "15 m/min, acceleration: 2 m/s^2"
             home = first[k] + (longest if k == 2 else 0.0) + 0.0
-            if self.seen.own and not self.seen.from_zero and k == 2:
-                home = high  # zero may be low, and the first rapid then goes up through the stock
-            at = f", home: {home / MM:g} mm" if self.seen.from_zero or (self.seen.own and k == 2) else ""
+            begins_high = k == 2 and bool(self.seen.own) and not self.seen.from_zero
+            if begins_high:  # zero may be low, and the first rapid then goes up through the stock
+                home = high
+            at = f", home: {home / MM:g} mm" if self.seen.from_zero or begins_high else ""
             lines.append(f"    {letter}: {{travel: [{low / MM:g}, {high / MM:g} mm], speed: {speed}{at}}}")
         for letter in self.seen.rotary:
             lines.append(
