@@ -192,7 +192,7 @@ class Crew:
                 if not done.has_ready():
                     done.thread_condition.wait(timeout=_LOOK_S)
             self._meet()
-            if time.monotonic() - self._seen > ABANDONED_S:
+            if not self._threads and time.monotonic() - self._seen > ABANDONED_S:
                 raise NoWorkersError(f"no worker has been there for {ABANDONED_S:.0f} s")
         batch: list[tuple[Any, Any]] = done.next_batch()
         return batch

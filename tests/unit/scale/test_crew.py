@@ -90,9 +90,9 @@ def test_a_killed_worker_costs_no_task_and_without_any_nobody_waits_for_ever(clu
         kill(one.workers[0])
         assert numbers([*first, *ends]) == list(range(40))
 
-        monkeypatch.setattr("gcodesim.scale.crew.ABANDONED_S", 1.0)
+        monkeypatch.setattr("gcodesim.scale.crew.ABANDONED_S", 0.0)
         ends = crew.do(stand_in, tasks(1000, 0.06))
-        next(ends)
+        assert len([next(ends) for _ in range(50)]) == 50  # who is there has not left between two looks at who is
         kill(one.workers[1])
         with pytest.raises(NoWorkersError, match="no worker"):
             list(ends)
