@@ -36,9 +36,9 @@ from gcodesim.cell.tooling import TOOL, TOOL_NUMBERS
 from gcodesim.declarations.composed import ListOf
 from gcodesim.declarations.file_kind import FileValue
 from gcodesim.declarations.files import InputFile
+from gcodesim.declarations.form_version import form_version
 from gcodesim.declarations.keys import inline, key
 from gcodesim.declarations.map_of import MapOf, NameRule
-from gcodesim.declarations.plain_kinds import Whole
 from gcodesim.declarations.reading import Default, Path
 from gcodesim.declarations.record import Record
 from gcodesim.diagnostics import Findings, Severity, SourceText, Span
@@ -49,7 +49,6 @@ if TYPE_CHECKING:
     from gcodesim.processes.materials import Material
     from gcodesim.tools.tool import Tool
 
-FORMAT: Final = 1
 MAIN: Final = "main"
 
 _ANY_NAME: Final = NameRule(what="name", pattern=".+", canonical=lambda text: text.strip() or None)
@@ -102,7 +101,7 @@ class Cell:
     found by `placement.place`.
     """
 
-    gcodesim: int = key(Whole(), "version of the cell format", default=FORMAT)
+    gcodesim: int = form_version("gcodesim", quiet=False)
     units: Units = key(Record(Units, "`units`"), "units of plain numbers", default=Units(), quiet=True)
     placed_frames: Mapping[str, Place] = key(
         _FRAMES, "frames, in the world or on a link", name="frames", default={}, quiet=True

@@ -8,7 +8,7 @@ from typing import Final
 
 from gcodesim.canon.systems import SYSTEMS, system_index, system_name
 from gcodesim.cell.assembly import with_parts
-from gcodesim.cell.cell import FORMAT, MAIN, Cell
+from gcodesim.cell.cell import MAIN, Cell
 from gcodesim.cell.channel import Channel
 from gcodesim.cell.externals import External, check_words, with_externals
 from gcodesim.cell.placing import MACHINE, Carried, FixedLink, FrameTree, Place
@@ -37,13 +37,6 @@ _STRANGE: Final = 100.0  # times larger or smaller than the rest
 
 def resolve(cell: Cell, to: Reading) -> Cell:
     """`cell` with frames, bases, channels and steps filled in; faults become findings of `to`."""
-    if cell.gcodesim != FORMAT:
-        to.fault(
-            "GS711",
-            to.span(("gcodesim",)),
-            f"format {cell.gcodesim} of cells is not known",
-            f"write `gcodesim: {FORMAT}`",
-        )
     cell = replace(cell, stocks=with_parts(cell.stocks, to))
     cell = with_externals(cell, to)
     cell = _with_frames(cell, to)

@@ -6,32 +6,25 @@ from pathlib import Path as FilePath
 from typing import Final
 
 from gcodesim.declarations.files import Shelf
+from gcodesim.declarations.form_version import form_version
 from gcodesim.declarations.keys import key
 from gcodesim.declarations.kind import Json, document
 from gcodesim.declarations.nodes import compose
-from gcodesim.declarations.plain_kinds import Whole
-from gcodesim.declarations.reading import Path, Reading, Unread
+from gcodesim.declarations.reading import Reading
 from gcodesim.declarations.record import Record
 from gcodesim.diagnostics import Diagnostic, Findings, SourceText
 from gcodesim.formatting.style import Style
 from gcodesim.frozen import frozen
 
 NAME: Final = "gcodesim.yaml"
-FORMAT: Final = 1
 
 
 @frozen
 class ShopSettings:
     """All keys of the file."""
 
-    gcodesim_settings: int = key(Whole(), "version of the form", name="gcodesim-settings", default=FORMAT, quiet=True)
+    gcodesim_settings: int = form_version("gcodesim-settings")
     format: Style = key(Record(Style, "`format`"), "how `gcodesim fmt` writes programs", default=Style())
-
-    def checked(self, to: Reading, path: Path) -> ShopSettings | Unread:
-        if self.gcodesim_settings != FORMAT:
-            message = f"the form is version {self.gcodesim_settings}; this gcodesim reads version {FORMAT}"
-            return to.fault("GS711", to.span(("gcodesim-settings",)), message)
-        return self
 
 
 _ROOT: Final = Record(ShopSettings, "the settings")

@@ -11,6 +11,7 @@ from gcodesim.cell.placing import names_of
 from gcodesim.cell.settings import CODE_PATTERNS, code_pattern
 from gcodesim.declarations.composed import ListOf
 from gcodesim.declarations.files import Shelf
+from gcodesim.declarations.form_version import form_version
 from gcodesim.declarations.keys import key
 from gcodesim.declarations.kind import POSITIVE, Json, Kind, Range, document, short
 from gcodesim.declarations.map_of import MapOf
@@ -26,7 +27,6 @@ from gcodesim.frozen import frozen
 from gcodesim.regress.tolerance import Tolerance, quantity_of
 from gcodesim.regress.tolerance_kind import TolerancesKind, tolerance_from
 
-FORMAT: Final = 1
 SUFFIXES: Final = (".test.yaml", ".test.yml")
 MODES: Final = ("run", "check", "lint")
 
@@ -155,7 +155,7 @@ class CaseOptions:
 class CaseFile:
     """A test file. Without `program` it is about the program of the same name."""
 
-    gcodesim_test: int = key(Whole(), "version of the form", name="gcodesim-test", default=FORMAT, quiet=True)
+    gcodesim_test: int = form_version("gcodesim-test")
     program: tuple[str, ...] = key(
         ListOf(Text(), single=True),
         "the program, or several: names and patterns such as `*.nc`",
@@ -177,12 +177,6 @@ class CaseFile:
         TolerancesKind(), "how much may differ from what was accepted", default={}, quiet=True
     )
     expect: Expected = key(Record(Expected, "`expect`"), "what must come of it", default=Expected(), quiet=True)
-
-    def checked(self, to: Reading, path: Path) -> CaseFile | Unread:
-        if self.gcodesim_test != FORMAT:
-            message = f"the form is version {self.gcodesim_test}; this gcodesim reads version {FORMAT}"
-            return to.fault("GS711", to.span(("gcodesim-test",)), message)
-        return self
 
 
 _ROOT: Final = Record(CaseFile, "the test file")

@@ -11,19 +11,19 @@ from gcodesim.cell.loader import CellChange
 from gcodesim.cell.placing import names_of
 from gcodesim.declarations.file_kind import File, FileValue
 from gcodesim.declarations.files import Shelf, folders_of_the_user
+from gcodesim.declarations.form_version import form_version
 from gcodesim.declarations.keys import all_keys, key
 from gcodesim.declarations.kind import Json, Kind, document
 from gcodesim.declarations.map_of import MapOf
 from gcodesim.declarations.nodes import Mapping as MappingNode
 from gcodesim.declarations.nodes import Node, Scalar, compose
-from gcodesim.declarations.plain_kinds import Switch, Whole
+from gcodesim.declarations.plain_kinds import Switch
 from gcodesim.declarations.reading import UNREAD, Path, Reading, Unread
 from gcodesim.declarations.record import Record, known_keys, not_a_mapping
 from gcodesim.diagnostics import Findings, SourceText
 from gcodesim.files.repository import top_of
 from gcodesim.frozen import frozen
 
-FORMAT: Final = 1
 _FROM: Final = "from"
 
 
@@ -101,16 +101,13 @@ def _left_by(stock: Node) -> list[Scalar]:
 class Content:
     """All keys of a job file."""
 
-    gcodesim_job: int = key(Whole(), "version of the form", name="gcodesim-job", default=FORMAT, quiet=True)
+    gcodesim_job: int = form_version("gcodesim-job")
     setups: Mapping[str, Setup] = key(
         MapOf(names_of("set-up"), SetupKind(), "set-ups by name, such as `top: {program: top.nc, cell: top.yaml}`"),
         "the set-ups of the part, in their order",
     )
 
     def checked(self, to: Reading, path: Path) -> Content | Unread:
-        if self.gcodesim_job != FORMAT:
-            message = f"the form is version {self.gcodesim_job}; this gcodesim reads version {FORMAT}"
-            return to.fault("GS711", to.span(("gcodesim-job",)), message)
         if not self.setups:
             return to.fault("GS705", to.span(("setups",)), "there is no set-up", "`top: {program: top.nc, cell: …}`")
         ahead = list(self.setups)

@@ -10,6 +10,7 @@ from typing import Any, Final
 from gcodesim.declarations.composed import ListOf
 from gcodesim.declarations.file_kind import File, FileValue
 from gcodesim.declarations.files import Shelf, folders_of_the_user
+from gcodesim.declarations.form_version import form_version
 from gcodesim.declarations.keys import key
 from gcodesim.declarations.kind import POSITIVE, Json, Range, document
 from gcodesim.declarations.nodes import Node, compose
@@ -23,7 +24,6 @@ from gcodesim.frozen import frozen
 from gcodesim.sweep.factor import CELL, FACTORS, PROGRAM, Factor
 from gcodesim.sweep.limit import FigureKind, LimitKind, StudyLimit
 
-FORMAT: Final = 1
 VARY: Final = "vary"
 MOST_RUNS: Final = 10_000_000
 GRID, ROWS, SOBOL, LATIN = "grid", "rows", "sobol", "latin_hypercube"
@@ -93,7 +93,7 @@ class RunOptions:
 class Study:
     """All keys of a study."""
 
-    gcodesim_study: int = key(Whole(), "version of the form", name="gcodesim-study", default=FORMAT, quiet=True)
+    gcodesim_study: int = form_version("gcodesim-study")
     program: FileValue | None = key(File("a program"), "the program of all runs", default=None)
     cell: FileValue | None = key(File("a cell"), "the cell of all runs", default=None)
     job: FileValue | None = key(File("a job file"), "set-ups in place of program and cell", default=None)
@@ -112,9 +112,6 @@ class Study:
     options: RunOptions = key(Record(RunOptions, "`options`"), "how each run is done", default=RunOptions(), quiet=True)
 
     def checked(self, to: Reading, path: Path) -> Study | Unread:
-        if self.gcodesim_study != FORMAT:
-            message = f"the form is version {self.gcodesim_study}; this gcodesim reads version {FORMAT}"
-            return to.fault("GS711", to.span(("gcodesim-study",)), message)
         if self.job is not None:
             given = [name for name in (PROGRAM, CELL) if getattr(self, name) is not None or name in self.vary]
             if given:
