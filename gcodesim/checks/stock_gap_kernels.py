@@ -46,8 +46,8 @@ class StockSight(NamedTuple):
 
     `X_JS` (4, 4) is where the stock stands on its joint. The body is convexes `first` to `end`, and `probe` is a row
     of the table with room for eight corners. Gaps above `level` [m] are of no interest (`-TOUCH`: contact alone is);
-    below `floor` [m] in S the stock has nothing. `whether`: it is only asked when a gap
-    comes down to the level, not how small it becomes.
+    below `floor` [m] in S the stock has nothing. `whether`: it is only asked when a gap comes down to
+    the level, not how small it becomes.
     """
 
     pair: int
@@ -61,8 +61,9 @@ class StockSight(NamedTuple):
 
 
 class SightRoom(NamedTuple):
-    """Room to work in: joints and poses, gaps, the body seen from S, the stock's own pose, a room around a body, the
+    """Room to work in.
 
+    Joints and poses, gaps, the body seen from S, the stock's own pose, the corners of a room around a body, and the
     direction along which the least gap lies.
     """
 
@@ -151,7 +152,7 @@ def in_columns(
     """The least of `best` and the gaps [m] of convex body `a` to columns of a patch; `low`, `high` are its room.
 
     Every so many columns are asked, as `stride` says.
-    """  # fmt: skip
+    """
     low, high = room.low, room.high
     cell = finest(field)
     first_i, last_i, first_j, last_j = columns_of_patch(field, patch[0], patch[1])
@@ -266,7 +267,7 @@ def gap_at_share(
     enough: float,
     room: SightRoom,
 ) -> float:
-    """The gap [m] at a share of a step; `enough` where it is more."""  # fmt: skip
+    """The gap [m] at a share of a step; `enough` where it is more."""
     k, t = place
     for j in range(q.shape[1]):
         room.way.q[j] = q[k, j] + t * (q[k + 1, j] - q[k, j])
@@ -293,7 +294,7 @@ def approach(
 
     `found` (n, 3) says what happens in each step, `state` (2,) what is known of the pair before and after them. A body
     that is half a cell from the level, or nearer, is looked at at the end of each step, too.
-    """  # fmt: skip
+    """
     level = sight.level
     least = LEAST_WAY * finest(field)
     enough = level + breadth(field)
