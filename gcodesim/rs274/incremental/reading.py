@@ -15,6 +15,7 @@ from gcodesim.rs274.block import Block
 from gcodesim.rs274.incremental.change import TextChange, change_between
 from gcodesim.rs274.incremental.merging import NotMergeableError, carry_over
 from gcodesim.rs274.incremental.snapshot import copied, is_same
+from gcodesim.rs274.other_machines import foreign_of
 from gcodesim.rs274.run import executor_of
 from gcodesim.rs274.settings import Settings
 
@@ -77,6 +78,8 @@ class LiveReading:
         self._watch_reads(self._run)
         self.start = copied(self._run, self._run.file)
         _drain(self._run.begin())
+        # what depends on the whole text, and not on lines as they are reached
+        self.kind = foreign_of(source), list(self._run.run.findings)
         self._keep()
 
     @property
@@ -160,7 +163,7 @@ class LiveReading:
         if change is not None and not change:
             return
         self._begin(source)
-        if change is None or not is_same(self.start, before.start):
+        if change is None or self.kind != before.kind or not is_same(self.start, before.start):
             self._provisional = list(before.findings)
             return
         self._provisional = [_shifted(one, change) for one in before.findings]

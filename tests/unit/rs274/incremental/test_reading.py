@@ -116,6 +116,28 @@ def test_other_settings_read_everything_again():
     assert reading.work > 1_000
 
 
+@pytest.mark.parametrize(
+    ("before", "after"),
+    [
+        ("(nothing)", "G76 P1 Z-26 I-3 J0.9 K2"),  # this is for a lathe
+        ("G76 P1 Z-26 I-3 J0.9 K2", "(nothing)"),
+        ("(nothing)", "CYCLE832(0.1)"),  # this is for a Sinumerik
+        ("CYCLE832(0.1)", "(nothing)"),
+    ],
+)
+def test_what_shows_only_in_the_whole_program_is_told_from_its_beginning(before, after):
+    lines = ["G18 G90 G21", "G0 X10 Z2", "G1 Xb F100", *["G1 X10", "G1 X20"] * 200, before, "M2"]
+    text = source(lines)
+    reading = LiveReading(text, settings(text, "linuxcnc"))
+    reading.finish()
+    lines[-2] = after
+    text = source(lines)
+    reading.update(text, settings(text, "linuxcnc"))
+    reading.finish()
+
+    assert list(reading.findings) == list(lint(text, settings(text, "linuxcnc")))
+
+
 def changed(lines, pool, pick):
     """The lines after one stroke of an editor."""
     lines = list(lines)
