@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 STILL: Final = 1e-12  # [rad, m] of a joint that does not move
 SHORTEST: Final = 1e-9  # [s] of a move on which nothing moves: a nanosecond
 _LOOKS: Final = 64  # places of a move at which its efforts are asked for
+_WITHIN: Final = 1e-9  # of a ramp, before its end
 
 
 @frozen(slots=False, kw_only=False, eq=False)
@@ -119,13 +120,13 @@ class JointMove:
         """The move slowed evenly so that motors can give its efforts with `tool`; and where, on `piece`, if it was."""
         if not self.moves or not loads.matter:
             return self, None
-        total, step = 1.0 / self.peak + self._ramp(self.peak), self.end - self.start
-        share, rate, change = self.law_at((np.arange(_LOOKS) + 0.5) / _LOOKS * total)
-        q, tools = self.start + share[:, None] * step, np.full(_LOOKS, tool)
+        step, looks = self.end - self.start, self._looks()
+        share, rate, change = self.law_at(looks)
+        q, tools = self.start + share[:, None] * step, np.full(len(looks), tool)
         qd = rate[:, None] * step
         static, moved = loads.efforts(tools, q, (0.0, 0.0), (qd, change[:, None] * step))
-        reserve = loads.reserve(tools, q, qd, np.zeros(_LOOKS, dtype=bool))
-        slowing = loads.slowing(np.full(_LOOKS, piece), static, moved, reserve=reserve)
+        reserve = loads.reserve(tools, q, qd, np.zeros(len(looks), dtype=bool))
+        slowing = loads.slowing(np.full(len(looks), piece), static, moved, reserve=reserve)
         worst = slowing.at(np.array([slowing.share.argmin()]))
         k = float(worst.share[0])
         if k >= 1.0:
@@ -134,3 +135,12 @@ class JointMove:
             self, speed=self.peak * sqrt(k), acceleration=self.acceleration * k, jerk=self.jerk * k * sqrt(k)
         )
         return slower, worst
+
+    def _looks(self) -> Array:
+        """Times [s] at which efforts are asked for: evenly, and where speed and acceleration are greatest together.
+
+        These are the ends of the ramps, as seen from within them.
+        """
+        ramp = self._ramp(self.peak)
+        total, within = 1.0 / self.peak + ramp, ramp * (1.0 - _WITHIN)
+        return np.concatenate([(np.arange(_LOOKS) + 0.5) / _LOOKS * total, [0.0, within, total - within, total]])

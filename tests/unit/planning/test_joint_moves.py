@@ -110,3 +110,25 @@ def test_motors_are_asked_for_no_more_than_they_can_give(payload: float) -> None
         assert own.duration > 1.02 * plain.duration
         assert borne[:, why.joint[0]].all() and 0.9 < share[borne].max() <= 1.0
     assert np.allclose(own.at(np.array([0.0, own.duration])), [start, end])
+
+
+def test_motors_bear_the_ends_of_the_ramps() -> None:
+    """There speed and acceleration are greatest together, between the places that stand evenly."""
+    loads, pick = arm_with(25.0), np.random.default_rng(3)
+    joints, slowed = loads.chain.driven_joints, 0
+    for _ in range(200):
+        start, end = (pick.uniform(np.maximum(joints.lower, -2.0), np.minimum(joints.upper, 2.0)) for _ in range(2))
+        own, why = JointMove.between(start, end, joints).within(loads, 1)
+        if why is None:
+            continue
+        way, j = end - start, int(why.joint[0])
+        ramp = own.duration - 1.0 / own.peak
+        inside = ramp * (1.0 - 1e-6)
+        t = np.array([0.0, inside, own.duration - inside, own.duration])
+        share, rate, change = own.law_at(t)
+        q, tool = start + share[:, None] * way, np.ones(len(t), dtype=np.int64)
+        asked = np.abs(*loads.efforts(tool, q, (rate[:, None] * way, change[:, None] * way))) / loads.limit
+        borne = np.abs(*loads.efforts(tool, q, (0.0, 0.0)))[:, j] / loads.limit[j] < 0.97  # at rest
+        assert asked[borne, j].max(initial=0.0) < 0.98 + 1e-4
+        slowed += 1
+    assert slowed > 20
