@@ -19,7 +19,7 @@ from gcodesim.units import INCH, MM
 
 Triple = tuple[float, float, float]
 
-_COMMENT = re.compile(r"\(([^)]*)\)|;(.*)$")
+_COMMENT = re.compile(r"\(([^)]*)\)?|;(.*)$")
 _NUMBER = r"([0-9]+\.?[0-9]*|\.[0-9]+)"
 _SIGNED = r"([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+))"
 _MM_COMMA = r"\s*(?:mm|in|\")?\s*,\s*"

@@ -36,11 +36,15 @@ _TINY: Final = 1e-7  # m
 _MACHINE = re.compile(r"(?<![A-Za-z0-9])G0*(?:28|30|53)(?![0-9.])", re.IGNORECASE)
 _HOMING = re.compile(r"(?<![A-Za-z0-9])G0*(?:28|30)(?![0-9.])", re.IGNORECASE)
 _TOUCH_OFF = re.compile(r"(?<![A-Za-z])L0*20(?![0-9.])", re.IGNORECASE)
-_SETS_ZERO = re.compile(r"^[^(;]*G0*10(?![0-9.])[^(;]*L0*2(?![0-9.])[^(;]*P0*([1-9])", re.IGNORECASE | re.MULTILINE)
+_SETS = re.compile(r"G0*10(?![0-9.])", re.IGNORECASE)
+_ZERO = re.compile(r"L0*2(?![0-9.])", re.IGNORECASE)
+_OF_SYSTEM = re.compile(r"P0*([1-9])", re.IGNORECASE)
 _NOTE = re.compile(r"\([^)]*\)?|;.*")
 _AXIS_WORD = re.compile(r"(?<![A-Za-z#<])[XYZxyz]\s*[-+]?\s*[0-9.#\[]")
 _O_NUMBER = re.compile(r"(?:O[0-9]{3,8}|:[0-9]{4})(?![0-9])", re.IGNORECASE)
-_FANUC_FLOW = re.compile(r"\bIF\s*\[.*GOTO|\bWHILE\s*\[.*\bDO\s*[123]|(?<![A-Za-z])G65\s*P|M98\s*P", re.IGNORECASE)
+_FANUC_FLOW = re.compile(
+    r"\bIF\s*\[.{0,250}?GOTO|\bWHILE\s*\[.{0,250}?\bDO\s*[123]|(?<![A-Za-z])G65\s*P|M98\s*P", re.IGNORECASE
+)
 _GRBL = re.compile(r"\bgrbl\b", re.IGNORECASE)
 _HOLES: Final = frozenset(f"G{number}" for number in (73, 74, 76, *range(81, 90)))
 
@@ -243,6 +247,15 @@ def _starts_anywhere(program: SourceText) -> bool:
     return False
 
 
+def _zeros_set(text: str) -> Iterator[int]:
+    """Numbers of the work systems whose zeros blocks with G10 L2 set."""
+    for line in text.splitlines():
+        if _SETS.search(line):
+            words = _NOTE.sub("", line)
+            if _SETS.search(words) and _ZERO.search(words) and (system := _OF_SYSTEM.search(words)):
+                yield int(system[1])
+
+
 class _Walk:
     """Goes through the events of a program."""
 
@@ -255,7 +268,7 @@ class _Walk:
         self._risen = True
         self.systems: dict[int, _Moves] = {}
         self._zeros: dict[int, tuple[float, ...]] = {}
-        self._set = {int(found) for found in _SETS_ZERO.findall(program.text)}  # by G10 L2, perhaps to zero
+        self._set = set(_zeros_set(program.text))  # by G10 L2, perhaps to zero
         self.own: dict[int, tuple[float, float, float]] = {}
         self.lift = 0.0
         self.called: set[int] = set()

@@ -308,3 +308,13 @@ def test_a_system_that_the_program_puts_at_machine_zero_stands_there(tmp_path: P
     status, worse, removed = verdict(text, tmp_path)
     assert (status, worse) == ("ok", set())
     assert removed["stock"] > 500.0
+
+
+def test_words_of_several_lines_set_no_zero() -> None:
+    assert survey(source("G21 G90\nG10\nL2\nP1\nG0 X0\nM2\n")).own == {}
+
+
+@pytest.mark.parametrize("hostile", ["(", "IF[", "WHILE[", "(TOOL T1 ", "G10L2"])
+def test_a_line_without_end_is_read_in_one_go(hostile: str) -> None:
+    """Each of them took minutes once, the square of its length."""
+    assert survey(source(f"G21\n{hostile * 200_000}\nM2\n")).systems == {}
