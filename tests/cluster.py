@@ -8,12 +8,17 @@ import signal
 import subprocess
 import sys
 import time
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import pytest
 
-_LATEST_S = 60.0
+if TYPE_CHECKING:
+    from distributed import Security
+
+_LATEST_S = 600.0  # on a busy machine
 
 
 @dataclass
@@ -24,9 +29,11 @@ class Cluster:
     address: str = ""
     scheduler: subprocess.Popen[bytes] | None = None
     words: list[str] = field(default_factory=list)
+    secret: Security | None = None
     workers: list[subprocess.Popen[bytes]] = field(default_factory=list)
 
     def start(self, workers: int = 0) -> None:
+        """Begin a scheduler with so many workers; all are there when this returns."""
         file = self.folder / "scheduler.json"
         command = ["distributed.cli.dask_scheduler", "--host", "127.0.0.1", "--port", "0", "--no-dashboard"]
         self.scheduler = self._process(*command, *self.words, "--scheduler-file", str(file))
@@ -34,13 +41,25 @@ class Cluster:
         while not self.address:
             assert time.monotonic() < until and self.scheduler.poll() is None, "the scheduler did not start"
             time.sleep(0.05)
-            if file.is_file() and file.read_text().strip():
+            with suppress(FileNotFoundError, ValueError):  # it is being written
                 self.address = json.loads(file.read_text())["address"]
         for _ in range(workers):
             self.add()
+        if workers:
+            self.wait_for_workers(workers)
+
+    def wait_for_workers(self, count: int) -> None:
+        """Until the scheduler knows of so many workers, and of no others."""
+        from distributed import Client
+
+        until = time.monotonic() + _LATEST_S
+        with Client(self.address, security=self.secret, set_as_default=False, timeout=_LATEST_S) as client:
+            while (known := len(client.nthreads())) != count:
+                assert time.monotonic() < until, f"{known} workers in place of {count}"
+                time.sleep(0.05)
 
     def add(self, before: str = "") -> subprocess.Popen[bytes]:
-        """One more worker, whose interpreter runs the lines `before` first."""
+        """One more worker, whose interpreter runs the lines `before` first; it joins some time later."""
         own = self.folder / f"worker-{len(self.workers)}"
         own.mkdir()
         (own / "sitecustomize.py").write_text(before)
@@ -77,10 +96,10 @@ def cluster(tmp_path: Path):
     """Makes clusters, for tests that kill their parts."""
     made: list[Cluster] = []
 
-    def make(workers: int = 0, words: list[str] | None = None) -> Cluster:
+    def make(workers: int = 0, words: list[str] | None = None, secret: Security | None = None) -> Cluster:
         folder = tmp_path / f"cluster-{len(made)}"
         folder.mkdir()
-        one = Cluster(folder=folder, words=words or [])
+        one = Cluster(folder=folder, words=words or [], secret=secret)
         made.append(one)
         one.start(workers)
         return one

@@ -5,6 +5,7 @@ Seconds say more about who else uses the machine than about the code.
 
 from __future__ import annotations
 
+import math
 import sys
 import time
 from collections.abc import Callable
@@ -40,19 +41,21 @@ def calls_of(work: Callable[[], object], most: int) -> int:
     return count
 
 
-def growth(work: Callable[[int], object], size: int, factor: int) -> float:
+def growth(work: Callable[[int], object], size: int, factor: int, most: float) -> float:
     """How many times the processor time of `work(size)` the work at `factor` times that size takes.
 
-    `factor` where the work grows with the size, its square where it grows with the square.
-    Each time is the least of three.
+    `factor` where the work grows with the size, its square where it grows with the square. Each time is the least of
+    three, or of as many more as a busy machine needs until it is below `most`, up to twenty.
     """
-    return _least(work, size * factor) / _least(work, size)
+    small = large = math.inf
+    for count in range(1, 21):
+        small, large = min(small, _seconds(work, size)), min(large, _seconds(work, size * factor))
+        if count >= 3 and large < most * small:
+            break
+    return large / small
 
 
-def _least(work: Callable[[int], object], size: int) -> float:
-    seconds = []
-    for _ in range(3):
-        begin = time.process_time()
-        work(size)
-        seconds.append(time.process_time() - begin)
-    return max(min(seconds), 1e-3)  # below a millisecond the clock itself counts
+def _seconds(work: Callable[[int], object], size: int) -> float:
+    begin = time.process_time()
+    work(size)
+    return max(time.process_time() - begin, 1e-3)  # below a millisecond the clock itself counts

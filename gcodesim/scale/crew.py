@@ -36,7 +36,7 @@ _LOOK_S: Final = 0.5  # between two looks at whether all is well, while nothing 
 _WAIT_FOR_WORKERS_S: Final = 30.0
 ABANDONED_S: float = 60.0
 """How long tasks wait for a worker after all have left."""
-_WAIT_FOR_SCHEDULER_S: Final = 10.0
+_WAIT_FOR_SCHEDULER_S: Final = 30.0  # it may have much to do
 _ARRIVE_S: Final = 2.0  # what results that are on their way get when nobody wants them any more
 _LOGGERS: Final = ("distributed", "tornado", "bokeh", "asyncio")  # of the engine, with all below them
 
@@ -186,11 +186,15 @@ class Crew:
                     _let_arrive(done)
 
     def _next(self, done: Any) -> list[tuple[Any, Any]]:
-        """What has ended since; waits for something. NoWorkersError when nobody has been there for a while."""
+        """What has ended since; waits for something. NoWorkersError when nobody has been there for a while.
+
+        SchedulerLostError also where the engine still looks for the scheduler: what was asked is forgotten there.
+        """
         while not done.has_ready():
             with done.thread_condition:
                 if not done.has_ready():
                     done.thread_condition.wait(timeout=_LOOK_S)
+            self._check_that_the_scheduler_stands()
             self._meet()
             if not self._threads and time.monotonic() - self._seen > ABANDONED_S:
                 raise NoWorkersError(f"no worker has been there for {ABANDONED_S:.0f} s")
@@ -229,8 +233,9 @@ class Crew:
             self._meet()
             self._check_that_somebody_may()
             return None
-        if status in ("cancelled", "lost") or self._client.status != "running":
+        if status in ("cancelled", "lost"):
             raise SchedulerLostError("the scheduler is gone")
+        self._check_that_the_scheduler_stands()
         reason = reply[1] if isinstance(reply, tuple) and len(reply) == 3 else reply
         if type(reason).__name__ == "KilledWorker":
             return Ended(task=task, lost="each worker that began it died, perhaps for want of memory")
@@ -270,6 +275,8 @@ class Crew:
                 raise SchedulerLostError("the scheduler is gone") from error
             return
         for address in addresses:
+            if isinstance(replies.get(address), OSError):  # it has gone meanwhile; if it has not, it is asked again
+                continue
             reasons = _why_not(replies.get(address))
             if reasons:
                 self._refused.add(address)
@@ -277,15 +284,18 @@ class Crew:
             else:
                 self._threads[address] = threads[address]
 
+    def _check_that_the_scheduler_stands(self) -> None:
+        if self._client.status != "running":
+            raise SchedulerLostError("the scheduler is gone")
+
     def _check_that_somebody_may(self, joining: bool = False) -> None:
+        self._check_that_the_scheduler_stands()
         if self._threads:
             return
         if self._refused:
             raise NoWorkersError(
                 "no worker may work: each needs the same version of gcodesim, its libraries and extras as are here"
             )
-        if self._client.status != "running":
-            raise SchedulerLostError("the scheduler is gone")
         if joining:
             raise NoWorkersError(f"no worker has joined the scheduler within {_WAIT_FOR_WORKERS_S:.0f} s")
 

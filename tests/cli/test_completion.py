@@ -82,7 +82,7 @@ def fish(folder: Path, tmp_path_factory: pytest.TempPathFactory) -> Ask:
 
 
 def typed(shell: list[str], folder: Path, set_up: str, keys: str, *, until: str) -> str:
-    """The screen of an interactive shell after `keys`, when `until` has come or ten seconds are over."""
+    """The screen of an interactive shell after `keys`, when `until` has come or some minutes are over."""
     pid, terminal = pty.fork()
     if pid == 0:  # pragma: no cover
         os.chdir(folder)
@@ -91,7 +91,7 @@ def typed(shell: list[str], folder: Path, set_up: str, keys: str, *, until: str)
 
     def read(mark: bytes) -> None:
         nonlocal said
-        end = time.monotonic() + 10
+        end = time.monotonic() + 300
         while mark not in said and time.monotonic() < end:
             if select.select([terminal], [], [], 0.1)[0]:
                 said += os.read(terminal, 65536)

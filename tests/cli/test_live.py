@@ -14,13 +14,34 @@ from tests.viewer import Viewer
 
 BODY = "".join(f"G1 X{10 + i % 60} Y{5 + i % 40} F3000\n" for i in range(300))
 PROGRAM = "G21 G90 G17 G94\nT1 M6\nG43 H1\nS8000 M3\nG0 Z5\nG1 Z-0.2 F300\n" + BODY + "G0 Z20\nM5\nM2\n"
+PATIENT = """  # a run that begins when its viewer is there, and ends when it has gone
+import sys, time
+from gcodesim.cli import main
+from gcodesim.log import live
+
+live._LINGER = 600.0
+opened = live.LiveView.open
+
+def opened_and_seen(self, topics):
+    opened(self, topics)
+    while not all(channel.has_sinks() for channel in self._channels):
+        time.sleep(0.01)
+
+live.LiveView.open = opened_and_seen
+sys.exit(main(sys.argv[1:]))
+"""
 
 
 def test_a_viewer_follows_a_run_and_changes_nothing(cli, write, tmp_path: Path) -> None:
     write("part.nc", PROGRAM)
     assert cli("run", "part.nc", "--cell", "cell.yaml", "--out", "alone").status == 0
+    log = LogFile.open(tmp_path / "alone" / "run.mcap")
+    stored = {(log.channels[m.channel].topic, m.t_ns, m.data) for m in log.messages()}
+    topics = {channel.topic for channel in log.channels.values()}
+    last = {topic for topic, t_ns, _ in stored if t_ns == log.end_ns}
+    assert last
     process = subprocess.Popen(
-        [sys.executable, "-m", "gcodesim", "run", "part.nc", "--cell", "cell.yaml", "--live", "0"],
+        [sys.executable, "-c", PATIENT, "run", "part.nc", "--cell", "cell.yaml", "--live", "0"],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
@@ -30,17 +51,15 @@ def test_a_viewer_follows_a_run_and_changes_nothing(cli, write, tmp_path: Path) 
     said = process.stderr.readline()
     assert said.startswith("live at ws://localhost:")
     viewer = Viewer(said.split()[2])
+    viewer.wait(lambda: {topic for topic, t_ns, _ in viewer.messages if t_ns == log.end_ns} >= last)
+    viewer.leave()
     _, errors = process.communicate(timeout=600)
-    viewer.end()
 
     assert process.returncode == 0, errors
     for path in sorted((tmp_path / "alone").iterdir()):
         assert path.read_bytes() == (tmp_path / "out" / path.name).read_bytes(), path.name
-    log = LogFile.open(tmp_path / "out" / "run.mcap")
-    stored = {(log.channels[m.channel].topic, m.t_ns, m.data) for m in log.messages()}
     assert set(viewer.messages) <= stored
-    assert {topic for topic, _, _ in viewer.messages} == {channel.topic for channel in log.channels.values()}
-    assert max(t_ns for _, t_ns, _ in viewer.messages) == log.end_ns
+    assert {topic for topic, _, _ in viewer.messages} == topics
 
 
 @pytest.mark.parametrize("value", ["part.nc", "-1", "65536", "8765.5"])

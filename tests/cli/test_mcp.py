@@ -60,7 +60,7 @@ def _served(folder: Path) -> Iterator[Client]:
         finally:
             assert server.stdin is not None
             server.stdin.close()
-            server.wait(30)
+            server.wait(600)
 
 
 @pytest.fixture

@@ -132,7 +132,7 @@ def test_an_interrupt_ends_it(cli, tmp_path):
             if "waiting" in line:
                 break
         os.kill(process.pid, signal.SIGINT)
-        said, told = process.communicate(timeout=60)
+        said, told = process.communicate(timeout=600)
     finally:
         process.kill()
 

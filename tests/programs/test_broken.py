@@ -109,7 +109,7 @@ def test_the_work_of_a_long_line_grows_with_its_length(text: bytes) -> None:
     def read(length: int) -> None:
         lint(SourceText("long.nc", b"#1=" + text * (length // len(text)) + b"\nM2\n"))
 
-    assert growth(read, 200_000, 8) < 24  # 8 where it is linear, 64 where each character looks at all others
+    assert growth(read, 200_000, 8, 24) < 24  # 8 where it is linear, 64 where each character looks at all others
 
 
 @pytest.mark.slow

@@ -85,7 +85,10 @@ def test_states_of_a_bag_are_those_of_its_run(slot_folder, tmp_path, capsys):
 
 
 class Bridge(threading.Thread):
-    """Plays rosbridge on loopback, and the arm behind it, which follows at once and is off by `off` [rad, m]."""
+    """Plays rosbridge on loopback, and the arm behind it, which follows at once and is off by `off` [rad, m].
+
+    It has gone when the arm has followed: whoever listens waits for that, not for a time.
+    """
 
     def __init__(self, off: float) -> None:
         super().__init__(daemon=True)
@@ -104,6 +107,8 @@ class Bridge(threading.Thread):
                     self.heard.append(message)
                     if message["op"] == "publish":
                         self._follow(line, message["msg"])
+                        self.door.close()  # else the client would come again
+                        line.shutdown(socket.SHUT_WR)
             except OSError:
                 return
 
@@ -169,10 +174,10 @@ def test_an_arm_follows_over_rosbridge(slot_folder: Path, off: float, status: in
     bridge.start()
     words = [sys.executable, "-m", "gcodesim", "ros", str(slot_folder), "--to", f"127.0.0.1:{bridge.port}"]
     ran = subprocess.run(
-        [*words, "--period", "50 ms", "--listen", "2", "--format", "json"],
+        [*words, "--period", "50 ms", "--listen", "600", "--format", "json"],
         capture_output=True,
         text=True,
-        timeout=60,
+        timeout=600,
         check=False,
         env=os.environ,
     )
@@ -194,7 +199,7 @@ def test_a_joint_that_does_not_follow_is_a_finding(slot_folder: Path) -> None:
     bridge = Bridge(0.02)
     bridge.start()
     words = [sys.executable, "-m", "gcodesim", "ros", str(slot_folder), "--to", f"127.0.0.1:{bridge.port}"]
-    ran = subprocess.run([*words, "--listen", "2"], capture_output=True, text=True, timeout=60, check=False)
+    ran = subprocess.run([*words, "--listen", "600"], capture_output=True, text=True, timeout=600, check=False)
 
     assert ran.returncode == 1
     assert "error GS805" in ran.stdout + ran.stderr
@@ -207,7 +212,7 @@ def test_nobody_there_is_said_in_words(slot_folder: Path) -> None:
         [sys.executable, "-m", "gcodesim", "ros", str(slot_folder), "--to", f"127.0.0.1:{port}"],
         capture_output=True,
         text=True,
-        timeout=60,
+        timeout=600,
         check=False,
     )
     assert ran.returncode == 2

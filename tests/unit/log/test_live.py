@@ -24,6 +24,13 @@ def live():
     view.close()
 
 
+def _arrived(live):
+    """A viewer that gets whatever is logged from now on."""
+    viewer = Viewer(live.address)
+    viewer.wait(lambda: all(channel.has_sinks() for channel in live._channels))
+    return viewer
+
+
 def _windows(run, log, first, last):
     for begin in range(first, last, 25):
         t = np.arange(begin, min(begin + 25, last)) * PERIOD
@@ -37,18 +44,18 @@ def _stored(path):
 
 def test_a_viewer_gets_what_the_file_gets(run, live, tmp_path):
     log = LogWriter(tmp_path / "run.mcap", run.description(), live)
-    viewer = Viewer(live.address)
-    viewer.wait(lambda: all(channel.has_sinks() for channel in live._channels))
+    viewer = _arrived(live)
     run.change_messages(log, 2_000 * MS)
     _windows(run, log, 0, 101)
     log.close(2_000 * MS, "finished")
-    live.close()
-    viewer.end()
+    stored = _stored(tmp_path / "run.mcap")
+    viewer.wait(lambda: viewer.times[-1:] == [2_000 * MS] and len(viewer.messages) >= len(stored))
+    viewer.leave()
 
-    assert viewer.messages == _stored(tmp_path / "run.mcap")
-    stored = LogFile.open(tmp_path / "run.mcap")
-    for number, channel in stored.channels.items():
-        assert viewer.schema(channel.topic) == (stored.schema_name(number), stored.schemas[channel.schema_id].data)
+    assert viewer.messages == stored
+    log = LogFile.open(tmp_path / "run.mcap")
+    for number, channel in log.channels.items():
+        assert viewer.schema(channel.topic) == (log.schema_name(number), log.schemas[channel.schema_id].data)
     assert viewer.times[-1] == 2_000 * MS and viewer.times == sorted(viewer.times)
 
 
@@ -62,8 +69,7 @@ def test_who_comes_late_sees_all_that_stands_there(run, live, tmp_path):
     viewer.wait(lambda: {topic for topic, _, _ in viewer.messages} | told_once >= {*viewer.channels} > told_once)
     seen = {topic: (t_ns, data) for topic, t_ns, data in viewer.messages}
     log.close(2_000 * MS, "finished")
-    live.close()
-    viewer.end()
+    viewer.leave()
 
     stored = [message for message in _stored(tmp_path / "run.mcap") if message[1] < 1_500 * MS]
     last = {topic: (t_ns, data) for topic, t_ns, data in stored if topic not in told_once}
@@ -73,8 +79,8 @@ def test_who_comes_late_sees_all_that_stands_there(run, live, tmp_path):
 
 def test_the_log_is_the_same_with_viewers_and_without(run, live, tmp_path):
     run.write(tmp_path / "alone.mcap")
-    viewer = Viewer(live.address)
     log = LogWriter(tmp_path / "run.mcap", run.description(), live)
+    viewer = _arrived(live)
     run.change_messages(log, 2_000 * MS)
     for first in range(0, 101, 37):
         t = np.arange(first, min(first + 37, 101)) * PERIOD

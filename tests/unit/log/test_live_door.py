@@ -7,11 +7,13 @@ import socket
 import pytest
 from websockets.exceptions import InvalidStatus
 from websockets.sync.client import connect
+from websockets.typing import Subprotocol
 
 from gcodesim.log.live import LiveView
 from gcodesim.log.live_door import hidden_host, is_origin, may_enter
 
 TOKEN = "right"
+PROTOCOL = [Subprotocol("foxglove.sdk.v1")]
 
 
 @pytest.fixture
@@ -72,7 +74,7 @@ def test_what_is_no_request_of_a_viewer(request_: bytes) -> None:
 def test_a_server_with_a_door(live: LiveView) -> None:
     def comes_in(address: str, origin: str | None) -> bool:
         try:
-            with connect(address, origin=origin, subprotocols=["foxglove.sdk.v1"]) as viewer:  # type: ignore[arg-type,list-item]
+            with connect(address, origin=origin, subprotocols=PROTOCOL, open_timeout=600) as viewer:  # type: ignore[arg-type]
                 return "serverInfo" in str(viewer.recv(timeout=600))
         except InvalidStatus as refused:
             assert refused.response.status_code == 403

@@ -253,6 +253,6 @@ def test_many_short_blocks() -> None:
 
     trajectory = timed(200_000)
 
-    assert growth(timed, 25_000, 8) < 24  # 64 where each block looks at all others
+    assert growth(timed, 25_000, 8, 24) < 24  # 64 where each block looks at all others
     assert trajectory.row_time.sum() == pytest.approx(trajectory.duration)
     assert trajectory.row_time.min() > 0.0

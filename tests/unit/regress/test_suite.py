@@ -3,11 +3,8 @@
 from __future__ import annotations
 
 import json
-import os
-import signal
 import subprocess
 import sys
-import time
 from datetime import date
 from pathlib import Path
 
@@ -330,19 +327,25 @@ def test_tidying_leaves_files_of_others_alone(tmp_path: Path, monkeypatch: pytes
     assert not ours.exists() and all(path.exists() for path in others)
 
 
+_WHILE_A_WORKER_STARTS = """
+import os, runpy, signal, sys
+from multiprocessing.process import BaseProcess
+
+signal.signal(signal.SIGINT, signal.default_int_handler)
+start = BaseProcess.start
+
+def start_and_interrupt(self):
+    start(self)
+    BaseProcess.start = start
+    os.killpg(0, signal.SIGINT)  # to all processes of the command, as a terminal does
+
+BaseProcess.start = start_and_interrupt
+sys.argv[0] = "gcodesim"
+runpy.run_module("gcodesim", run_name="__main__")
+"""
+
+
 def test_an_interrupt_of_workers_that_are_starting_leaves_no_trace(suite: Path) -> None:
-    command = [sys.executable, "-m", "gcodesim", "test", "-j", "2", str(suite)]
-    done = subprocess.Popen(
-        command,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-        start_new_session=True,
-        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
-    )
-    while not Path(f"/proc/{done.pid}/task/{done.pid}/children").read_text().split()[1:]:  # a tracker and a worker
-        assert done.poll() is None
-        time.sleep(0.01)
-    os.killpg(done.pid, signal.SIGINT)  # as a terminal does
-    out, said = done.communicate(timeout=600)
-    assert (done.returncode, out, said) == (130, "", "gcodesim: interrupted\n")
+    command = [sys.executable, "-c", _WHILE_A_WORKER_STARTS, "test", "-j", "2", str(suite)]
+    done = subprocess.run(command, capture_output=True, text=True, start_new_session=True, timeout=600, check=False)
+    assert (done.returncode, done.stdout, done.stderr) == (130, "", "gcodesim: interrupted\n")

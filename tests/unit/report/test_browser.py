@@ -157,7 +157,7 @@ def opened(page, folder):
     log = folder / "net.json"
     own = [f"--user-data-dir={folder / 'profile'}", f"--log-net-log={log}", "--window-size=1200,900", "--dump-dom"]
     command = [chromium.PROGRAM, *chromium.ALONE, *own, f"file://{folder / 'page.html'}"]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=240, check=True)
+    done = subprocess.run(command, capture_output=True, text=True, timeout=600, check=True)
     asked = set()
     for event in json.loads(log.read_text(errors="replace"))["events"]:
         seen = event.get("params", {})

@@ -15,7 +15,7 @@ from pathlib import Path
 
 import pytest
 
-from gcodesim.scale.crew import Keys, NoWorkersError, crew_at, local_crew
+from gcodesim.scale.crew import Keys, NoWorkersError, SchedulerLostError, crew_at, local_crew
 from gcodesim.scale.hands import Alone, WorkerTask
 from gcodesim.scale.worker import stand_in
 from tests.cluster import Cluster, cluster, kill
@@ -53,31 +53,40 @@ def test_where_nobody_fits_the_reasons_are_told(cluster):
     one = cluster()
     one.add(OTHER_VERSION)
     one.add(NOT_INSTALLED)
+    one.wait_for_workers(2)
     told: list[str] = []
 
-    wanted = ["gcodesim 9.9.9 in place of", "cannot be imported"]
-    for _ in range(100):  # one may join after the other was asked
-        with pytest.raises(NoWorkersError, match="no worker may work"), crew_at(one.address, tell=told.append):
-            pass
-        if all(any(words in text for text in told) for words in wanted):
-            return
-    raise AssertionError(told)
+    with pytest.raises(NoWorkersError, match="no worker may work"), crew_at(one.address, tell=told.append):
+        pass
+
+    for words in ("gcodesim 9.9.9 in place of", "cannot be imported"):
+        assert any(words in text for text in told), told
 
 
 def test_whoever_joins_later_and_does_not_fit_does_not_begin(standing: Cluster, monkeypatch: pytest.MonkeyPatch):
     """It gets a task before it was asked what it can do, and refuses by itself."""
     monkeypatch.setattr("gcodesim.scale.crew._LOOK_AGAIN_S", math.inf)
     told: list[str] = []
+    given: list[WorkerTask] = []
+
+    def until_told() -> Iterator[WorkerTask]:
+        """Whom the engine gives the next task is its own affair."""
+        for task in tasks(10_000):
+            if len(told) == 2:
+                return
+            given.append(task)
+            yield task
+
     with crew_at(standing.address, tell=told.append) as crew:
         strangers = [standing.add(OTHER_VERSION), standing.add(NO_COLLADA)]
         try:
-            while len(crew._present()) < 4:
-                time.sleep(0.05)
+            standing.wait_for_workers(4)
 
-            assert numbers(crew.do(stand_in, tasks(60))) == list(range(60))
+            assert numbers(crew.do(stand_in, until_told())) == list(range(len(given)))
         finally:
             for stranger in strangers:
                 kill(stranger)
+            standing.wait_for_workers(2)
 
     assert any("gcodesim 9.9.9 in place of" in text for text in told)
     assert any("no pycollada" in text for text in told), told
@@ -99,6 +108,35 @@ def test_a_killed_worker_costs_no_task_and_without_any_nobody_waits_for_ever(clu
             list(ends)
 
 
+def test_a_scheduler_that_goes_between_two_tasks_is_lost(cluster, monkeypatch: pytest.MonkeyPatch):
+    """What is asked while the engine still looks for it would wait until that gives up."""
+    monkeypatch.setattr("gcodesim.scale.crew._WAIT_FOR_SCHEDULER_S", 600.0)
+    one = cluster(workers=1)
+
+    def late() -> Iterator[WorkerTask]:
+        kill(one.scheduler)
+        while crew._client.status == "running":
+            time.sleep(0.01)
+        yield from tasks(3)
+
+    with crew_at(one.address) as crew:
+        with pytest.raises(SchedulerLostError):
+            list(crew.do(stand_in, late()))
+        assert crew._client.status == "connecting"
+
+
+def test_a_worker_that_goes_while_it_is_asked_is_not_refused(standing: Cluster, monkeypatch: pytest.MonkeyPatch):
+    """It may come back, and others may join: they are waited for."""
+    from distributed import Client
+    from distributed.comm import CommClosedError
+
+    monkeypatch.setattr(Client, "run", lambda self, *_, workers, **__: dict.fromkeys(workers, CommClosedError("gone")))
+    monkeypatch.setattr("gcodesim.scale.crew._WAIT_FOR_WORKERS_S", 0.0)
+
+    with pytest.raises(NoWorkersError, match="no worker has joined"), crew_at(standing.address, tell=pytest.fail):
+        pass
+
+
 def test_tls_keeps_strangers_out(cluster, tmp_path: Path):
     from distributed import Security
 
@@ -108,7 +146,7 @@ def test_tls_keeps_strangers_out(cluster, tmp_path: Path):
     for name, text in files.items():
         (tmp_path / f"{name}.pem").write_text(text)
         words += [f"--tls-{name}", str(tmp_path / f"{name}.pem")]
-    one = cluster(workers=1, words=words)
+    one = cluster(workers=1, words=words, secret=secret)
     authority, certificate, key = (tmp_path / f"{name}.pem" for name in files)
     keys = Keys(authority=authority, certificate=certificate, key=key)
 
@@ -164,17 +202,27 @@ def test_who_leaves_waits_for_results_that_are_on_their_way(standing: Cluster, m
     """Else the client closes below them, and tornado tells of each."""
     from distributed import Client
 
+    from gcodesim.scale import crew as module
+
     under_way: list[object] = []
     at_the_close: list[int] = []
-    gather, close = Client._gather, Client.close
+    may_arrive = asyncio.Event()
+    gather, close, let_arrive = Client._gather, Client.close, module._let_arrive
+    first = iter([True])
 
     async def slow(self, futures, *args, **named):
+        if next(first, False):
+            return await gather(self, futures, *args, **named)
         under_way.append(futures)
-        await asyncio.sleep(0.1)
+        await may_arrive.wait()
         try:
             return await gather(self, futures, *args, **named)
         finally:
             under_way.remove(futures)
+
+    def leaving(done):
+        done.loop.add_callback(may_arrive.set)
+        let_arrive(done)
 
     def closing(self, *args, **named):
         at_the_close.append(len(under_way))
@@ -182,10 +230,13 @@ def test_who_leaves_waits_for_results_that_are_on_their_way(standing: Cluster, m
 
     monkeypatch.setattr(Client, "_gather", slow)
     monkeypatch.setattr(Client, "close", closing)
+    monkeypatch.setattr(module, "_let_arrive", leaving)
+    monkeypatch.setattr(module, "_ARRIVE_S", 600.0)
     with crew_at(standing.address) as crew:
         ends = crew.do(stand_in, tasks(30, takes_s=0.012))
         next(ends)
-        assert under_way
+        while not under_way:
+            time.sleep(0.01)
         ends.close()
 
     assert at_the_close[0] == 0

@@ -107,7 +107,7 @@ def test_it_draws_filters_and_sorts(ready: Prepared, tmp_path: Path):
     done = subprocess.run(
         [str(chromium.PROGRAM), *chromium.ALONE, "--dump-dom", f"file://{tmp_path / 'page.html'}"],
         capture_output=True,
-        timeout=120,
+        timeout=600,
         check=False,
     )
     found = re.search(r'<pre id="seen">(.*?)</pre>', done.stdout.decode(), re.DOTALL)
