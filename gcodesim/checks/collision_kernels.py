@@ -21,6 +21,7 @@ from gcodesim.frames import Array
 
 MOST_ROUNDS = 64
 GOLDEN = 0.6180339887498949
+EXACT = 1e-9  # [m] to which the first contact is known
 ROUNDS = 40  # golden section: 5e-9 of a piece, if it is not shorter than the tolerance before
 
 Ints = NDArray[np.int64]
@@ -251,7 +252,8 @@ def touch(
     """Depth [m] of one part of the tool in one hull on a straight piece, 0 where they keep clear, and where they meet.
 
     That is a share of the piece. On a straight way into a convex body the depth rises to one top and falls again, so
-    the top is found by golden section and the first contact before it by halving. `tip` (3,) is room to work in.
+    the top is found by golden section and the first contact before it by halving. That asks for the distance, since
+    the depth of a tool that leans is an upper bound. `tip` (3,) is room to work in.
     """
     if separation(outline, axis, start, end, corners, tolerance) > 0.0:
         return 0.0, 0.0
@@ -282,12 +284,14 @@ def touch(
             at_right = depth_on(outline, axis, start, end, corners, normals, right, tip)
     if best <= tolerance:
         return 0.0, 0.0
-    if at_start > 0.0:
+    if at_start > 0.0 and separation(outline, axis, start, start, corners, EXACT) <= 0.0:
         return best, 0.0
     outside, inside = 0.0, top
     for _ in range(ROUNDS):
         middle = 0.5 * (outside + inside)
-        if depth_on(outline, axis, start, end, corners, normals, middle, tip) > 0.0:
+        for c in range(3):
+            tip[c] = start[c] + middle * (end[c] - start[c])
+        if separation(outline, axis, start, tip, corners, EXACT) <= 0.0:
             inside = middle
         else:
             outside = middle
@@ -344,9 +348,10 @@ def apart(low: Array, high: Array, other_low: Array, other_high: Array) -> bool:
 
 
 @kernel
-def most_depth(outline: Array, axis: Array, start: Array, end: Array, corners: Array, normals: Array) -> float:
-    """What `touch` cannot exceed: the least way out of the whole sweep, along directions that `depth_at` tries."""
-    least = math.inf
+def exceeds(
+    outline: Array, axis: Array, start: Array, end: Array, corners: Array, normals: Array, known: float
+) -> bool:
+    """Whether `touch` may find more than `known` [m]: not where some direction that `depth_at` tries has a way out."""
     d, point = np.zeros(3), np.zeros(3)
     for i in range(normals.shape[0] + 1):
         for side in range(2):
@@ -354,8 +359,41 @@ def most_depth(outline: Array, axis: Array, start: Array, end: Array, corners: A
                 d[c] = normals[i, c] if i < normals.shape[0] else axis[c]
                 if side == 1:
                     d[c] = -d[c]
-            least = min(least, support(outline, axis, start, end, corners, d, point))
-    return least
+            if support(outline, axis, start, end, corners, d, point) <= known:
+                return False
+    return True
+
+
+@kernel
+def height_of(axis: Array, points: Array) -> float:
+    """Height [m] of the highest of `points` (k, 3) along an axis."""
+    highest = -math.inf
+    for i in range(points.shape[0]):
+        highest = max(highest, axis[0] * points[i, 0] + axis[1] * points[i, 1] + axis[2] * points[i, 2])
+    return highest
+
+
+@kernel
+def say_nothing(way: Crossing, bunch: int, first: Array, depth: Array, below: Array) -> float:
+    """Renew `below` (m,) for the pieces of a bunch; the height [m] that holds for all, if they have one axis.
+
+    A triangle that nowhere is higher along the axis says nothing new of a piece which is in contact from its beginning:
+    with its depth the tool would be above it.
+    """
+    lowest, least, alike = math.inf, math.inf, True
+    for i in range(way.outline.shape[0]):
+        lowest = min(lowest, way.outline[i, 1])
+    one = way.near[way.begin[bunch]]
+    for p in range(way.begin[bunch], way.begin[bunch + 1]):
+        i = way.near[p]
+        axis, start, end = way.axis[i], way.start[i], way.end[i]
+        at_start = axis[0] * start[0] + axis[1] * start[1] + axis[2] * start[2]
+        at_end = axis[0] * end[0] + axis[1] * end[1] + axis[2] * end[2]
+        below[i] = min(at_start, at_end) + lowest + depth[i] if first[i] == 0.0 else -math.inf
+        least = min(least, below[i])
+        for c in range(3):
+            alike = alike and axis[c] == way.axis[one, c]
+    return least if alike else -math.inf
 
 
 @kernel
@@ -391,35 +429,52 @@ def facet_touches(facets: Array, way: Crossing, tolerance: float, first: Array, 
     """`touches` for triangles (t, 3, 3) [m], each a flat body; `first` and `depth` (m,).
 
     A triangle that can neither raise the depth of a piece nor be met earlier is left out: in the midst of a tool
-    there are more triangles than one wants to measure.
+    there are more triangles than one wants to measure. That is soon known if the highest ones come first.
     """
-    tip, low, high, normals, until = np.zeros(3), np.zeros(3), np.zeros(3), np.zeros((4, 3)), np.zeros(3)
+    tip, low, high, normals = np.zeros(3), np.zeros(3), np.zeros(3), np.zeros((4, 3))
+    bunches = len(way.begin) - 1
+    below, bunch_below = np.zeros(len(depth)), np.zeros(bunches)
+    for bunch in range(bunches):
+        bunch_below[bunch] = say_nothing(way, bunch, first, depth, below)
     for t in range(facets.shape[0]):
         corners = facets[t]
         for c in range(3):
             low[c] = min(corners[0, c], corners[1, c], corners[2, c])
             high[c] = max(corners[0, c], corners[1, c], corners[2, c])
         laid = False
-        for bunch in range(len(way.begin) - 1):
+        for bunch in range(bunches):
             if apart(low, high, way.bunch_low[bunch], way.bunch_high[bunch]):
+                continue
+            if height_of(way.axis[way.near[way.begin[bunch]]], corners) <= bunch_below[bunch]:
                 continue
             if not laid:
                 if not lay_normals(corners, normals):
                     break
                 laid = True
+            new = False
             for p in range(way.begin[bunch], way.begin[bunch + 1]):
                 i = way.near[p]
-                if apart(low, high, way.low[i], way.high[i]):
+                if apart(low, high, way.low[i], way.high[i]) or height_of(way.axis[i], corners) <= below[i]:
                     continue
-                axis, start, end = way.axis[i], way.start[i], way.end[i]
-                most = most_depth(way.outline, axis, start, end, corners, normals)
-                if most <= tolerance:
-                    continue
-                if most <= depth[i]:
-                    for c in range(3):
-                        until[c] = start[c] + first[i] * (end[c] - start[c])
-                    if first[i] == 0.0 or separation(way.outline, axis, start, until, corners, tolerance) > 0.0:
-                        continue
-                deep, share = touch(way.outline, axis, start, end, corners, normals, tolerance, tip)
+                deep, share = touch_facet(way, i, corners, normals, tolerance, first[i], depth[i], tip)
                 if deep > 0.0:
-                    depth[i], first[i] = max(depth[i], deep), min(first[i], share)
+                    depth[i], first[i], new = max(depth[i], deep), min(first[i], share), True
+            if new:
+                bunch_below[bunch] = say_nothing(way, bunch, first, depth, below)
+
+
+@kernel
+def touch_facet(
+    way: Crossing, i: int, corners: Array, normals: Array, tolerance: float, first: float, depth: float, tip: Array
+) -> tuple[float, float]:
+    """`touch` of piece i, or no depth if the triangle can say nothing that `first` and `depth` do not say already."""
+    outline, axis, start, end = way.outline, way.axis[i], way.start[i], way.end[i]
+    if not exceeds(outline, axis, start, end, corners, normals, max(tolerance, depth)):
+        if first == 0.0 or not exceeds(outline, axis, start, end, corners, normals, tolerance):
+            return 0.0, 0.0
+        until = np.zeros(3)
+        for c in range(3):
+            until[c] = start[c] + first * (end[c] - start[c])
+        if separation(outline, axis, start, until, corners, tolerance) > 0.0:
+            return 0.0, 0.0
+    return touch(outline, axis, start, end, corners, normals, tolerance, tip)

@@ -166,9 +166,16 @@ def _enter(
         piece = some[np.all(low[some] < hull_to, axis=1) & np.all(high[some] > hull_from, axis=1)].astype(np.int64)
         touches(piece, outline, axis, start, end, hull.corners, hull.normals, TOUCH, share, depth)
     facets = crossed[len(hulls) :] - len(fixture.hulls)
+    facets = _highest_first(fixture.facets[facets], axis[near[0]])  # see `facet_touches`
     way = Crossing(outline, axis, start, end, near, low, high, np.append(begin, len(near)), bunch_low, bunch_high)
     for one in range(0, len(facets), _AT_ONCE):
-        facet_touches(fixture.facets[facets[one : one + _AT_ONCE]], way, TOUCH, share, depth)
+        facet_touches(facets[one : one + _AT_ONCE], way, TOUCH, share, depth)
+
+
+def _highest_first(facets: Array, axis: Array) -> Array:
+    """Triangles (t, 3, 3) from the highest to the lowest along an axis (3,)."""
+    heights = facets[:, :, 0] * axis[0] + facets[:, :, 1] * axis[1] + facets[:, :, 2] * axis[2]
+    return facets[np.argsort(-heights.max(axis=1, initial=-np.inf), kind="stable")]
 
 
 def _crossed(low: Array, high: Array, bunch_low: Array, bunch_high: Array) -> NDArray[np.intp]:

@@ -174,6 +174,30 @@ def test_triangles_in_the_midst_of_a_tool_hide_none_that_is_met_earlier_or_is_de
         assert expected == found(piece, corners) == found(piece, corners[::-1])
 
 
+@pytest.mark.parametrize("lean", [0.0, 0.3, -0.7])
+def test_first_contact_with_triangles_is_where_the_distance_ends(lean: float) -> None:
+    """A cutter comes down on bumps. The depth of one that leans is an upper bound, 0.6 mm before they meet here."""
+    x, y = np.meshgrid(np.linspace(-0.02, 0.02, 24), np.linspace(-0.02, 0.02, 24), indexing="ij")
+    bumps = np.stack([x, y, 3e-3 * np.sin(210.0 * x) * np.cos(300.0 * y)], axis=-1)
+    a, b, c, d = bumps[:-1, :-1], bumps[1:, :-1], bumps[1:, 1:], bumps[:-1, 1:]
+    facets = np.concatenate([np.stack(three, axis=-2).reshape(-1, 3, 3) for three in ((a, b, c), (a, c, d))])
+    axis, tool = np.array([[math.sin(lean), 0.0, math.cos(lean)]]), flat(0.016, length=0.5)
+    start, end = np.array([0.0, 0.0, 0.05]), np.array([0.001, 0.002, -0.01])
+    orders = (facets, facets[::-1], facets[::2])
+    found, back, half = (
+        touch(tool, Obstacle(name="bumps", hulls=(), facets=order), tuple(start), tuple(end), axis=axis)[0]
+        for order in orders
+    )
+
+    def gap(share: float) -> float:
+        outline, until = tool.outlines["cutting"], start + share * (end - start)
+        return min(separation(outline, axis[0], start, until, facet, 1e-9) for facet in facets)
+
+    assert (found.share, found.depth) == (back.share, back.depth)
+    assert found.share <= half.share and found.depth >= half.depth
+    assert gap(found.share) == 0.0 < gap(found.share - 1e-6)
+
+
 def test_a_shallow_triangle_behind_a_deep_one_is_met_first() -> None:
     """One across the whole way at X0, one of 0.1 mm at X-10 that only the side of the cutter brushes."""
     deep = np.array([[0.0, -0.02, 0.0], [0.0, 0.02, 0.0], [0.0, 0.0, 0.02]])
