@@ -1,5 +1,5 @@
-(A slot, 6 mm wide and 2 mm deep, from X20 to X70 along the middle of a plate)
 (Zero is the top front left corner of the stock, see `zero` in cell.yaml)
+(A slot, 6 mm wide and 2 mm deep, from X20 to X70 along the middle of a plate)
 G21 G90 G17 G94      (mm, absolute, arcs in XY, feed per minute)
 G54                  (work coordinates)
 T1 M6                (flat end mill, 6 mm)
