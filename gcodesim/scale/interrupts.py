@@ -9,7 +9,6 @@ from multiprocessing import resource_tracker
 from threading import current_thread, main_thread
 from typing import Final
 
-
 _THAT_WAIT: Final = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name))
 
 

@@ -23,7 +23,7 @@ def heard() -> list[int]:
 
 @pytest.mark.parametrize("number", SIGNALS)
 def test_a_signal_is_heard_when_all_have_been_started(heard: list[int], number: signal.Signals) -> None:
-    """A SIGTERM while Dask starts its workers ended with a traceback of Dask, which was closing what was not yet open."""
+    """A SIGTERM while Dask starts its workers ended with a traceback: Dask closed what was not open yet."""
     with interrupts_wait():
         signal.raise_signal(number)
         assert heard == []
