@@ -166,10 +166,10 @@ def _enter(
         piece = some[np.all(low[some] < hull_to, axis=1) & np.all(high[some] > hull_from, axis=1)].astype(np.int64)
         touches(piece, outline, axis, start, end, hull.corners, hull.normals, TOUCH, share, depth)
     facets = crossed[len(hulls) :] - len(fixture.hulls)
-    facets = _highest_first(fixture.facets[facets], axis[near[0]])  # see `facet_touches`
+    highest_first = _highest_first(fixture.facets[facets], axis[near[0]])  # see `facet_touches`
     way = Crossing(outline, axis, start, end, near, low, high, np.append(begin, len(near)), bunch_low, bunch_high)
     for one in range(0, len(facets), _AT_ONCE):
-        facet_touches(facets[one : one + _AT_ONCE], way, TOUCH, share, depth)
+        facet_touches(highest_first[one : one + _AT_ONCE], way, TOUCH, share, depth)
 
 
 def _highest_first(facets: Array, axis: Array) -> Array:
