@@ -39,7 +39,8 @@ class SpinAlong:
         """Splines through spins (k,) at places `s` (k,) of `piece` (k,), one list entry for each chain.
 
         Slopes are those of the parabola through a knot and its neighbours, so speed of turning has no steps; `soft`
-        splines have its second derivative too, so neither has acceleration. On a piece
+        splines have its second derivative too, so neither has acceleration. Where a spin stands, from one knot to the
+        next, it does not move: an axis at the end of its travel would go beyond it. On a piece
         where two rows overlap ds/dt is that of the first row all along; there the way grows from that evenly to the
         speed of the second.
         """
@@ -84,7 +85,7 @@ def _slopes(way: Array, spin: Array) -> Array:
     step = np.maximum(np.diff(way), 1e-12)
     rate = np.diff(spin) / step
     inner = (rate[:-1] * step[1:] + rate[1:] * step[:-1]) / (step[:-1] + step[1:])
-    return np.concatenate([[0.0], inner, [0.0]])
+    return np.concatenate([[0.0], np.where(_stands(rate), 0.0, inner), [0.0]])
 
 
 def _bends(way: Array, spin: Array) -> Array:
@@ -92,8 +93,15 @@ def _bends(way: Array, spin: Array) -> Array:
     if len(way) < 3:
         return np.zeros(len(way))
     step = np.maximum(np.diff(way), 1e-12)
-    inner = 2.0 * np.diff(np.diff(spin) / step) / (step[:-1] + step[1:])
-    return np.concatenate([[0.0], inner, [0.0]])
+    rate = np.diff(spin) / step
+    inner = 2.0 * np.diff(rate) / (step[:-1] + step[1:])
+    return np.concatenate([[0.0], np.where(_stands(rate), 0.0, inner), [0.0]])
+
+
+def _stands(rate: Array) -> NDArray[np.bool_]:
+    """Whether knots (k - 2,) between stretches with this `rate` (k - 1,) begin or end one on which nothing turns."""
+    stands: NDArray[np.bool_] = (rate[:-1] == 0.0) | (rate[1:] == 0.0)
+    return stands
 
 
 def _fifth_degree(

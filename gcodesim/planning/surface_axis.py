@@ -36,6 +36,8 @@ _SAME: Final = 1e-12  # [m, rad] between words that count as not written
 _STEEP: Final = 1e-3  # of a unit tangent: less of it along the surface is no way to lean by
 _APART: Final = 1e-9  # [m] between two knots
 _STILL: Final = 1e-6  # [rad] on a piece that are no turn
+_HALVINGS: Final = 30  # of a turn between two knots, for where the travel of an axis ends
+_NEAR_TRAVEL: Final = 0.5  # of the way between two knots, within which the end of a travel takes the place of one
 _OWN: Final = 8  # knots on a piece whose words the program says
 
 
@@ -188,7 +190,7 @@ class SurfaceAxis:
             Diagnostic(
                 code="GS219",
                 message=f"the machine cannot bring the tool upright on `{self.name}`, along "
-                f"X{x:.3f} Y{y:.3f} Z{z:.3f}; it stays as it is",
+                f"X{x:.3f} Y{y:.3f} Z{z:.3f}; it stays as near as it can",
                 span=pieces.path.span(int(row[0])),
                 hint="its rotary axes do not turn so far: clamp the work otherwise, or change `lead` and `tilt`",
                 count=len(distinct(pieces.path.block[row])),
@@ -285,7 +287,47 @@ class _Knots:
         lost = np.isnan(words).any(axis=1)
         if lost.any():
             surface.report_lost(pieces, row[lost], direction[lost][0], self.findings)
+            place, s, words = self._up_to_travel(place, s, direction, words)
         return place, s, _held(words, before)
+
+    def _up_to_travel(self, place: Numbers, s: Array, direction: Array, words: Array) -> tuple[Numbers, Array, Array]:
+        """The knots with those where the machine comes to the end of its travel, or can turn again.
+
+        One of these takes the place of a knot that is near to it: braking takes its way.
+        """
+        lost = np.isnan(words).any(axis=1)
+        kept = np.ones(len(words), dtype=bool)
+        at = np.flatnonzero(lost[1:] != lost[:-1])
+        new: list[tuple[int, float, Array]] = []
+        for k in at.tolist():
+            known, other = (k + 1, k) if lost[k] else (k, k + 1)
+            share, there = self._last_known(direction[known], direction[other], words[known])
+            kept[known] &= share > _NEAR_TRAVEL
+            on = place[k] == place[k + 1]
+            begin = s[k] if on else 0.0
+            way = 1.0 - share if lost[k] else share
+            new.append((int(place[k + 1]), float(begin + way * (s[k + 1] - begin)), there))
+        order = np.argsort(np.concatenate([np.flatnonzero(kept), at + 0.5]), kind="stable")
+        columns = (
+            (place[kept], np.array([each[0] for each in new], dtype=np.int64)),
+            (s[kept], np.array([each[1] for each in new])),
+            (words[kept], np.array([each[2] for each in new]).reshape(-1, 3)),
+        )
+        first, second, third = (np.concatenate(pair)[order] for pair in columns)
+        return first, second, third
+
+    def _last_known(self, known: Array, other: Array, words: Array) -> tuple[float, Array]:
+        """How much of the turn from the direction `known`, with its `words`, to the `other` can be had; words there."""
+        low, high = 0.0, 1.0
+        for _ in range(_HALVINGS):
+            middle = 0.5 * (low + high)
+            between = known + middle * (other - known)
+            found = self.words_of(between[None] / norms(between[None])[:, None], words)[0]
+            if np.isnan(found).any():
+                high = middle
+            else:
+                low, words = middle, found
+        return low, words
 
 
 def _averaged(way: Array, directions: Array, reach: float) -> tuple[Array, Array]:
@@ -308,8 +350,17 @@ def _averaged(way: Array, directions: Array, reach: float) -> tuple[Array, Array
 
 
 def _held(words: Array, before: Array) -> Array:
-    """`words` (n, 3) where they are known, else those before."""
-    held, last = words.copy(), before
-    for k in np.flatnonzero(np.isnan(words).any(axis=1)):
-        held[k] = held[k - 1] if k else last
+    """`words` (n, 3) where they are known; elsewhere those beside, or from one side evenly to the other.
+
+    Where none is known, they are those `before` (3,).
+    """
+    held = words.copy()
+    known = np.flatnonzero(~np.isnan(words).any(axis=1))
+    if not len(known):
+        held[:] = before
+        return held
+    held[: known[0]], held[known[-1] :] = words[known[0]], words[known[-1]]
+    for last, first in zip(known[:-1], known[1:], strict=True):
+        share = np.linspace(0.0, 1.0, first - last - 1)[:, None]
+        held[last + 1 : first] = words[last] + share * (words[first] - words[last])
     return held

@@ -168,7 +168,7 @@ CODES: tuple[Code, ...] = (
         severity=Severity.ERROR,
         title="Tool cannot stand on the surface",
         what="The tool axis is the normal of a surface, and no position of the rotary axes within their travel brings"
-        " the tool there. It stays as it was before.",
+        " the tool there. It stays at the end of the travel, as near as it can.",
         why="The tool does not stand on the surface there, and its side or holder may meet it.",
         remedy="Clamp the work so that this side faces the tool, or lean the tool back with `lead` and `tilt`.",
     ),

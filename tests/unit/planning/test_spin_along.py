@@ -34,3 +34,17 @@ def test_soft_splines_run_through_their_knots_and_slopes_are_their_derivatives()
     s, h = np.linspace(0.001, 0.499, 200), 1e-6
     difference = (along.at(piece, s + h)[0] - along.at(piece, s - h)[0]) / (2.0 * h)
     assert np.allclose(along.at(piece, s)[1], difference, atol=1e-5)
+
+
+@pytest.mark.parametrize("soft", [False, True])
+def test_where_a_spin_stands_nothing_moves_and_it_comes_there_from_one_side(soft: bool) -> None:
+    way, spin = np.array([0.0, 0.1, 0.2, 0.27, 0.4, 0.5, 0.6]), np.array([0.0, 0.2, 0.4, 0.5, 0.5, 0.5, 0.3])
+    none = np.zeros(1)
+    along = SpinAlong(
+        none, np.zeros(1, dtype=bool), way, spin, _slopes(way, spin), none, _bends(way, spin) if soft else None
+    )
+    s = np.linspace(0.0, 0.6, 500)
+    value, _ = along.at(np.zeros(500, dtype=np.int64), s)
+    standing = (s > 0.27) & (s < 0.5)
+    assert (value[standing] == 0.5).all()
+    assert value.max() <= 0.5 + 1e-15

@@ -132,6 +132,18 @@ def test_a_machine_that_cannot_turn_so_far_says_so() -> None:
     assert "upright on `body`, along X-0." in found[0].message
 
 
+@pytest.mark.parametrize("smooth", [4, 8, 15, 25])
+def test_an_axis_that_comes_to_the_end_of_its_travel_goes_there_and_no_further(smooth: int) -> None:
+    text = cell(MILL.replace("[-100, 100 deg]", "[-20, 20 deg]"), PIPE, f", smooth: {smooth} mm")
+    job = job_of(ROUND, text)
+    q, _, _, feed = sampled(job)
+    turned = np.degrees(np.abs(q[:, 3]))
+
+    assert "GS219" in codes(job) and "GS201" not in codes(job)
+    assert turned.max() <= 20.0 + 1e-6
+    assert turned[feed].max() > 20.0 - 1e-3
+
+
 def test_after_the_tip_is_let_go_axes_stand_where_the_program_says() -> None:
     job = job_of(ROUND, cell(MILL, PIPE))
     q, _, _, _ = sampled(job)
