@@ -11,6 +11,7 @@ from gcodesim.kinematics.parallel_axes_kernels import solve as solve_parallel_ax
 from gcodesim.kinematics.path_kernels import OK, REACH, SINGULAR, choose, square_distance
 from gcodesim.kinematics.plane_kernels import EXISTS, PlaneArm
 from gcodesim.kinematics.protocol import Statuses
+from gcodesim.kinematics.spherical_wrist_kernels import follow
 from gcodesim.kinematics.spherical_wrist_kernels import solve as solve_spherical_wrist
 from gcodesim.kinematics.tree_kernels import copy_row
 
@@ -58,6 +59,10 @@ def inverse_path(
     previous = np.empty(6)
     copy_row(seed, previous)
     for k in range(X.shape[0]):
+        if branch >= 0 and family == SPHERICAL_WRIST and follow(X[k], branch, arm, lower, upper, previous, out[k]):
+            status[k] = OK
+            copy_row(out[k], previous)
+            continue
         # the arm mostly keeps its shoulder and elbow branch; then the other branches need not be computed
         state = REACH
         if branch >= 0:

@@ -40,7 +40,7 @@ def room_for(count: int) -> NewtonRoom:
     return NewtonRoom(np.empty((count, 4, 4)), np.empty((6, count)), np.empty((6, 6)), np.empty(6), np.empty((4, 4)))
 
 
-@kernel
+@kernel(lean=True)
 def pose_error(X: Array, target: Array, e: Array) -> float:
     """Displacement `e` (6,) from X to target (4, 4), position then rotation vector, base axes; returns the largest.
 
@@ -70,7 +70,7 @@ def pose_error(X: Array, target: Array, e: Array) -> float:
     return most
 
 
-@kernel
+@kernel(lean=True)
 def solve_square(A: Array, x: Array) -> float:
     """Solve A y = x in place, A (6, 6) symmetric positive, by Cholesky; returns the least pivot over its diagonal."""
     least = 1.0
@@ -101,9 +101,9 @@ def solve_square(A: Array, x: Array) -> float:
     return least
 
 
-@kernel
-def newton(target: Array, q: Array, tree: Tree, room: NewtonRoom) -> tuple[float, float]:
-    """Drive q (j,), in place, to the pose `target` (4, 4) of the flange.
+@kernel(lean=True)
+def newton(target: Array, q: Array, tree: Tree, room: NewtonRoom, least: int) -> tuple[float, float]:
+    """Drive q (j,), in place, to the pose `target` (4, 4) of the flange, in `least` steps at least.
 
     Returns the residual and the smallest pivot of J Jᵀ (0: singular). Steps are
     Jᵀ (J Jᵀ + λ)⁻¹ e (Wampler 1986), the shortest ones where there are more
@@ -115,11 +115,11 @@ def newton(target: Array, q: Array, tree: Tree, room: NewtonRoom) -> tuple[float
     count = q.shape[0]
     pivot = 1.0
     residual, least_residual, waited = np.inf, np.inf, 0
-    for _ in range(STEPS):
+    for number in range(STEPS):
         joint_frames(q, parent, before, axis, prismatic, frames)
         place(frames, carrier, offset, X)
         residual = pose_error(X, target, e)
-        if residual < DONE:
+        if residual < DONE and number >= least:
             break
         if residual < 0.99 * least_residual:
             least_residual, waited = residual, 0

@@ -45,6 +45,30 @@ def square_distance(q: Array, previous: Array) -> float:
     return total
 
 
+@kernel(inlined=True)
+def is_next(
+    angles: tuple[float, float, float, float, float, float],
+    previous: Array,
+    lower: Array,
+    upper: Array,
+    near: float,
+    out: Array,
+) -> bool:
+    """Turn six revolute joints nearest to `previous`, into `out` (6,): whether they are the next row of a path.
+
+    That is within limits, closer than the root of `near` [rad²], and no joint jumps.
+    """
+    distance, most, inside = 0.0, 0.0, True
+    for i in range(6):
+        value = angles[i] + TURN * math.floor(0.5 + (previous[i] - angles[i]) * PER_TURN)
+        step = value - previous[i]
+        inside = inside and lower[i] - LIMIT_SLACK <= value <= upper[i] + LIMIT_SLACK
+        distance += step * step
+        most = max(most, abs(step))
+        out[i] = value
+    return inside and distance < near and most <= JUMP
+
+
 @kernel
 def longest_turn(q: Array, previous: Array, revolute: Indices) -> float:
     """The greatest step [rad] of a revolute joint from `previous` to q (j,)."""

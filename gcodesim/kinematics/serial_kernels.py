@@ -14,6 +14,7 @@ from gcodesim.kinematics.tree_kernels import copy_row
 
 GOOD = 1e-9  # [m], [rad] of residual that counts as reached
 PIVOT = 1e-11  # relative pivot of J Jᵀ below which the arm counts as singular
+STILL = 1e-9  # [rad], [m] from row to row, within which an arm stands: its joints are to stay as they are
 SEARCH_EVERY = 64  # consecutive rows out of reach after which all starts are tried again: a long way outside is cheap
 
 
@@ -40,6 +41,15 @@ def settle(
 
 
 @kernel
+def farthest(q: Array, previous: Array) -> float:
+    """The greatest step of a joint, revolute or not, from `previous` to q (j,)."""
+    most = 0.0
+    for i in range(q.shape[0]):
+        most = max(most, abs(q[i] - previous[i]))
+    return most
+
+
+@kernel
 def inverse_path(
     targets: Array,
     seed: Array,
@@ -53,19 +63,26 @@ def inverse_path(
 ) -> None:
     """Joints `out` (n, j) and `status` (n,) along poses `targets` (n, 4, 4) of the flange.
 
-    Each row starts from the one before. The first row, and a row where that
-    fails, tries all `starts` (s, j) and takes the solution nearest to the row
-    before. `on_path` = 1 when `seed` is a row of the same path, so that no path begins here.
+    Each row starts where the two before it lead, which mostly takes one step less than to start from the one before;
+    that is next. The first row, and a row where both fail, tries all `starts` (s, j) and takes the solution nearest to
+    the row before. `on_path` = 1 when `seed` is a row of the same path, so that no path begins here.
     """
     count, prismatic = seed.shape[0], tree.prismatic
     room = room_for(count)
-    previous, q, best = np.empty(count), np.empty(count), np.empty(count)
+    previous, q, best, step = np.empty(count), np.empty(count), np.empty(count), np.zeros(count)
     copy_row(seed, previous)
     lost, most = 0, 0.0
     for k in range(targets.shape[0]):
-        copy_row(previous, q)
-        residual, pivot = newton(targets[k], q, tree, room)
         going = k > 0 or on_path == 1
+        moves = 0
+        for i in range(count):
+            q[i] = previous[i] + step[i]
+            if step[i] != 0.0:
+                moves = 1  # where it leads may be near enough; a step says besides whether the arm is singular there
+        residual, pivot = newton(targets[k], q, tree, room, moves)
+        if moves == 1 and (residual >= GOOD or farthest(q, previous) > JUMP):
+            copy_row(previous, q)
+            residual, pivot = newton(targets[k], q, tree, room, 0)
         state, least = REACH, np.inf
         if residual < GOOD:
             inside, least, most = settle(q, previous, lower, upper, prismatic, going)
@@ -77,7 +94,7 @@ def inverse_path(
             found = state
             for s in range(starts.shape[0]):
                 copy_row(starts[s], q)
-                miss, pivot2 = newton(targets[k], q, tree, room)
+                miss, pivot2 = newton(targets[k], q, tree, room, 0)
                 if miss > GOOD:
                     continue
                 inside, distance, turn = settle(q, previous, lower, upper, prismatic, False)
@@ -95,6 +112,9 @@ def inverse_path(
             copy_row(previous, q)
         lost = lost + 1 if state == REACH else 0
         status[k] = state
+        smooth = k > 0 and state != REACH and STILL < farthest(q, previous) <= JUMP
+        for i in range(count):
+            step[i] = q[i] - previous[i] if smooth else 0.0
         copy_row(q, out[k])
         copy_row(q, previous)
 
@@ -105,5 +125,5 @@ def all_solutions(target: Array, starts: Array, tree: Tree, out: Array, found: I
     room = room_for(starts.shape[1])
     for s in range(starts.shape[0]):
         copy_row(starts[s], out[s])
-        miss, _ = newton(target, out[s], tree, room)
+        miss, _ = newton(target, out[s], tree, room, 0)
         found[s] = 1 if miss < GOOD else 0

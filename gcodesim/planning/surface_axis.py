@@ -7,6 +7,7 @@ run along splines through them; the rows of the path stay as they are.
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import pairwise
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -360,7 +361,7 @@ def _held(words: Array, before: Array) -> Array:
         held[:] = before
         return held
     held[: known[0]], held[known[-1] :] = words[known[0]], words[known[-1]]
-    for last, first in zip(known[:-1], known[1:], strict=True):
+    for last, first in pairwise(known.tolist()):
         share = np.linspace(0.0, 1.0, first - last - 1)[:, None]
         held[last + 1 : first] = words[last] + share * (words[first] - words[last])
     return held

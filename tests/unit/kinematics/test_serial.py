@@ -134,3 +134,22 @@ def test_starts_are_spread_over_the_box():
     assert points.min(axis=0) == pytest.approx([0, -1], abs=0.1)
     assert points.max(axis=0) == pytest.approx([1, 3], abs=0.1)
     assert points.mean(axis=0) == pytest.approx([0.5, 1.0], abs=0.1)
+
+
+def test_a_path_that_leads_on_exactly_still_says_where_the_arm_is_singular():
+    """Joints run evenly through a straight wrist: each row is where the two before it lead."""
+    arm = SerialArm(chain=load_urdf(MODELS["kuka_kr10_r1100_2"].path)[0])
+    q = np.array([0.2, -1.2, 1.3, 0.3, 0.0, 0.1]) + np.linspace(-8, 8, 17)[:, None] * [1e-3, 2e-3, -1e-3, 0, 4e-3, 0]
+    found, status = arm.inverse(arm.forward(q), q[0])
+    assert found[:8] == pytest.approx(q[:8], abs=1e-9)
+    assert status[8] == Status.SINGULAR and set(status[:8]) == {Status.OK}
+
+
+def test_a_path_that_turns_back_and_one_that_stands_are_followed():
+    arm = SerialArm(chain=load_urdf(MODELS["ur10e"].path)[0])
+    s = np.concatenate([np.linspace(0.0, 0.5, 6), np.linspace(0.4, 0.0, 5), np.zeros(4)])
+    q = np.array(MODELS["ur10e"].home) + s[:, None] * np.array([0.5, 0.4, -0.5, 0.3, 0.5, 0.6])
+    found, status = arm.inverse(arm.forward(q), q[0])
+    assert (status == Status.OK).all()
+    assert found == pytest.approx(q, abs=1e-8)
+    assert (found[-1] == found[-2]).all()
