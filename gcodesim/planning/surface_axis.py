@@ -296,7 +296,7 @@ class _Knots:
 
         One of these takes the place of a knot that is near to it: braking takes its way.
         """
-        lost: NDArray[np.bool_] = np.isnan(words).any(axis=1)
+        lost: NDArray[np.bool_] = np.any(np.isnan(words), axis=1)
         kept: NDArray[np.bool_] = np.ones(len(words), dtype=bool)
         at = np.flatnonzero(lost[1:] != lost[:-1])
         new: list[tuple[int, float, Array]] = []
