@@ -11,9 +11,11 @@ from gcodesim.importers.importer import FoundSettings, Imported, Importer, NoSet
 from gcodesim.importers.ini_file import read_klipper_config
 from gcodesim.importers.printer import four, printer_lines
 
-_CARTESIAN: Final = ("cartesian", "corexy", "corexz", "hybrid_corexy", "hybrid_corexz", "none")
+_CARTESIAN: Final = ("cartesian", "generic_cartesian", "corexy", "corexz", "hybrid_corexy", "hybrid_corexz", "none")
 _ROUND: Final = ("delta", "rotary_delta", "polar", "deltesian", "winch")
 _MOST_NOZZLES: Final = 16
+_FAR: Final = 1e5  # mm beyond which a limit is none, as that of a belt that carries parts away
+_TRAVEL: Final = 1000.0  # mm in its place
 _OF_FILAMENT: Final = 1e6  # mm/s² that limit nothing
 
 _REASONS: Final = (
@@ -30,6 +32,9 @@ _REASONS: Final = (
     ("[heater", "heat is not simulated", False),
     ("[extruder", "motor, heater and sensor of the extruder", False),
     ("[stepper", "motor and endstop", False),
+    ("[carriage", "motor and endstop", False),
+    ("[dual_carriage", "a second carriage: the cell has one", True),
+    ("[extra_carriage", "motor and endstop", False),
     ("[fan", "heat is not simulated", False),
     ("[mcu", "electronics", False),
     ("[tmc", "electronics", False),
@@ -102,9 +107,22 @@ def _travel(settings: FoundSettings, letter: str, kinematics: str) -> tuple[floa
         top = settings.number("[stepper_a]position_endstop") or 2.0 * radius
         least = settings.number("[printer]minimum_z_position") or 0.0
         return (least, top) if letter == "Z" else (-radius, radius)
-    section = f"[stepper_{letter.lower()}]"
+    section = _carriage(settings, letter)
     low = settings.number(f"{section}position_min") or 0.0
     high = settings.number(f"{section}position_max")
     if high is None or high <= low:
         raise NoSettingsError(f"{section} has no position_max above {low:g}")
+    if high > _FAR and (found := settings.last(f"{section}position_max")) is not None:
+        settings.leave(found, f"so far moves nothing: the cell has {_TRAVEL:g} mm", matters=True)
+        high = low + _TRAVEL
     return low, high
+
+
+def _carriage(settings: FoundSettings, letter: str) -> str:
+    """The section that says how far a carriage goes: of `generic_cartesian` the first with this axis."""
+    for setting in settings.all:
+        section, _, name = setting.name.partition("]")
+        if section.startswith("[carriage ") and name.lower() == "axis" and setting.value.lower() == letter.lower():
+            settings.take(setting)
+            return f"{section}]"
+    return f"[stepper_{letter.lower()}]"

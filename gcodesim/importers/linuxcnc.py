@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import ClassVar, Final
 
+from gcodesim.diagnostics import SourceText
 from gcodesim.importers.axes import ImportedAxis, machine_lines, zero_lines
 from gcodesim.importers.importer import (
     FoundSetting,
@@ -23,10 +24,12 @@ from gcodesim.importers.importer import (
     written,
 )
 from gcodesim.importers.ini_file import read_linuxcnc_ini
+from gcodesim.rs274.parameters import FIRST_SYSTEM, read_parameters
 from gcodesim.units import INCH, MM
 
 _LETTERS: Final = "XYZABC"
 _LINEAR: Final = "XYZ"
+_SYSTEMS: Final = 9  # G54 to G59.3
 _FAR: Final = 1e5  # mm or deg beyond which a limit is none
 _INCHES: Final = ("inch", "in", "imperial", "25.4")
 _SPEED: Final = 1.0  # unit/s where nothing says a speed: the default of the control
@@ -100,6 +103,9 @@ class _Machine:
         """Its lines in a cell."""
         inches = self.settings.text("[TRAJ]LINEAR_UNITS", "mm").lower() in _INCHES
         self.unit = INCH / MM if inches else 1.0
+        if inches and (found := self.settings.last("[TRAJ]LINEAR_UNITS")) is not None:
+            why = "lengths were converted, but programs without G20 begin in mm in the cell: write G20 into them"
+            self.settings.leave(found, why, matters=True)
         name, words = self._kinematics()
         order = self._coordinates(words)
         for number, letter in enumerate(order):
@@ -112,11 +118,7 @@ class _Machine:
         for note in self.notes:
             yield f"# {note}"
         yield from machine_lines(self.axes, tuple(keys))
-        parameters = self._file("[RS274NGC]PARAMETER_FILE", folder)
-        if parameters:
-            yield f"parameters: {quoted(parameters)}"
-        elif not lathe:
-            yield from zero_lines(self.axes)
+        yield from self._parameter_file(folder, lathe)
         yield from self._subroutines(folder)
         yield from self._path_control()
         yield from self._spindle()
@@ -200,7 +202,10 @@ class _Machine:
             axis.upper = _TRAVEL if axis.upper is None or axis.upper >= _FAR else axis.upper
             axis.remark = "guessed where there is no limit"
         if axis.lower is not None and axis.upper is not None:
-            if axis.lower >= axis.upper:
+            if axis.lower == axis.upper:
+                self._locked(letter)
+                return
+            if axis.lower > axis.upper:
                 raise NoSettingsError(f"axis {letter} has limits from {written(axis.lower)} to {written(axis.upper)}")
             if axis.home is not None and not axis.lower <= axis.home <= axis.upper:
                 axis.remark = f"its home, {written(axis.home)}, is outside of its limits"
@@ -217,6 +222,11 @@ class _Machine:
             first.upper = min(first.upper, axis.upper)
         if first.acceleration is not None and axis.acceleration is not None:
             first.acceleration = min(first.acceleration, axis.acceleration)
+
+    def _locked(self, letter: str) -> None:
+        """An axis whose limits are one place: the machine has it wired, and does not move it."""
+        for setting in self.settings.values(f"[AXIS_{letter}]MIN_LIMIT"):
+            self.settings.leave(setting, f"axis {letter} has no room to move: the cell has none", matters=True)
 
     def _named(self, name: str, words: dict[str, str]) -> Iterator[str]:
         """The key `kinematics` of modules that a cell knows; others are told."""
@@ -280,6 +290,33 @@ class _Machine:
             self.settings.leave(setting, why, matters=file.is_file())
         return seen or ""
 
+    def _parameter_file(self, folder: Path, lathe: bool) -> Iterator[str]:
+        """The file itself; of one in inches, which a cell does not read, the work systems."""
+        name = "[RS274NGC]PARAMETER_FILE"
+        seen = self._file(name, folder)
+        if seen and self.unit == 1.0:
+            yield f"parameters: {quoted(seen)}"
+            return
+        systems = self._work_systems(self.path.parent / self.settings.text(name)) if seen else []
+        if seen and (found := self.settings.last(name)) is not None:
+            why = "it is in inches: the places of its work systems were taken, other parameters were not"
+            self.settings.leave(found, why, matters=True)
+        if systems:
+            yield f"work_offsets: {{{', '.join(systems)}}}"
+        elif not lathe:
+            yield from zero_lines(self.axes)
+
+    def _work_systems(self, file: Path) -> list[str]:
+        """G54 to G59.3 where they are not at machine zero; what turns them is not taken."""
+        values, _ = read_parameters(SourceText.read(file))
+        systems = []
+        for index in range(_SYSTEMS):
+            places = [values.get(FIRST_SYSTEM + 20 * index + axis, 0.0) * self.unit for axis in range(3)]
+            if any(places):
+                name = f"G{54 + index}" if index < 6 else f"G59.{index - 5}"
+                systems.append(f"{name}: {{xyz: [{', '.join(written(place) for place in places)} mm]}}")
+        return systems
+
     def _subroutines(self, folder: Path) -> Iterator[str]:
         found = []
         for name in ("[RS274NGC]SUBROUTINE_PATH", "[DISPLAY]PROGRAM_PREFIX"):
@@ -308,7 +345,8 @@ class _Machine:
             words = [f"{letter}{written(float(v) * unit)}" for letter, v in (("P", told[2]), ("Q", told[4])) if v]
             yield f"path_control: {' '.join(['G64', *words])}"
         if rest:
-            self.settings.leave(setting, "codes before each program: write them into it; G64 was taken", matters=True)
+            taken = "" if told is None else "; G64 was taken"
+            self.settings.leave(setting, f"codes before each program: write them into it{taken}", matters=True)
 
     def _spindle(self) -> Iterator[str]:
         speeds = [
@@ -329,8 +367,12 @@ class _Machine:
             return
         from gcodesim.starter.tool_files import read_tools
 
-        if seen := relative(file, folder):
+        if (seen := relative(file, folder)) and not inches:
             yield f"tool_table: {quoted(seen)}"
+        if inches:
+            self.settings.leave(
+                setting, "it is in inches: lengths and diameters were taken, offsets were not", matters=True
+            )
         found = read_tools(file, inch=inches)
         lines, known = [], set()
         for tool in found.tools:

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import ClassVar, Final
 
 from gcodesim.importers.axes import ImportedAxis
+from gcodesim.importers.c_conditions import CConditions
 from gcodesim.importers.importer import (
     FoundSetting,
     FoundSettings,
@@ -23,8 +24,9 @@ from gcodesim.importers.printer import four, printer_lines
 
 _DEFINE: Final = re.compile(r"\s*#define\s+([A-Za-z_]\w*)(?:\s+(.*))?$")
 _ROUND: Final = ("DELTA", "SCARA", "MORGAN_SCARA", "MP_SCARA", "TPARA", "POLAR", "POLARGRAPH", "AXEL_TPARA")
-_WORD: Final = re.compile(r"[A-Za-z_]\w*")
+_WORD: Final = re.compile(r"(?<![\w.])[A-Za-z_]\w*")
 _SUM: Final = re.compile(r"\s*([-+*/()]|[0-9.]+)")
+_KIND_OF_NUMBER: Final = re.compile(r"(?<=[0-9.])[fFlL]\b")  # of C: 82.0f
 _DEEPEST: Final = 20  # names that stand for each other
 
 _REASONS: Final = (
@@ -95,13 +97,17 @@ def _limits(
 
 
 def _settings(path: Path) -> list[FoundSetting]:
-    """Definitions that hold, in their order; of `#if` all branches count, since what they ask is not known here."""
+    """Definitions that hold, in their order."""
     found = []
+    defined: dict[str, str] = {}
+    conditions = CConditions()
     inside = False  # of a comment over several lines
     for number, raw in enumerate(read_text(path).splitlines(), start=1):
         line, inside = _without_comments(raw, inside)
-        if match := _DEFINE.match(line):
-            found.append(FoundSetting(match[1], (match[2] or "").strip(), path.name, number))
+        if conditions.take(line, defined) and (match := _DEFINE.match(line)):
+            setting = FoundSetting(match[1], (match[2] or "").strip(), path.name, number)
+            defined[setting.name] = setting.value
+            found.append(setting)
     return found
 
 
@@ -163,6 +169,7 @@ def _value(text: str, values: Mapping[str, str]) -> float | None:
         text = _WORD.sub(lambda word: f"({values.get(word[0], '?')})", text)
         if len(text) > 500:
             return None
+    text = _KIND_OF_NUMBER.sub("", text)
     tokens = _SUM.findall(text)
     if "".join(tokens) != re.sub(r"\s", "", text):
         return None

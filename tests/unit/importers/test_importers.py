@@ -189,6 +189,30 @@ def test_an_ini_of_linuxcnc_becomes_a_machine(mill: Path) -> None:
     assert 'subroutines: ["subs"]' in found.text
 
 
+def test_inches_of_an_ini_are_nowhere_read_as_millimetres(mill: Path) -> None:
+    """A cell reads tool tables and parameters in mm, and begins programs so."""
+    mill.write_text(MILL.replace("SUBROUTINE_PATH", "PARAMETER_FILE = mill.var\nSUBROUTINE_PATH"))
+    (mill.parent / "mill.var").write_text("5221 2\n5222 -1.5\n5223 -1\n5383 -2\n5400 3\n")
+    found = imported("linuxcnc", mill)
+    job = run(found, mill.parent, b"G20 G90\nT1 M6\nG43 H1\nG0 X0 Y0\nM2\n")
+
+    assert job.plan is not None
+    assert job.plan.path.end[-1][:2].tolist() == pytest.approx([2 * 25.4e-3, -1.5 * 25.4e-3])
+    assert "G59.3: {xyz: [0, 0, -50.8 mm]}" in found.text
+    assert "parameters:" not in found.text and "tool_table:" not in found.text
+    told = left(found)
+    assert all(told[name][1] for name in ("[RS274NGC]PARAMETER_FILE", "[EMCIO]TOOL_TABLE", "[TRAJ]LINEAR_UNITS"))
+
+
+def test_an_axis_without_room_is_left_out(tmp_path: Path) -> None:
+    axes = "".join(f"[AXIS_{a}]\nMIN_LIMIT=-300\nMAX_LIMIT=300\nMAX_VELOCITY=40\n" for a in "XYZ")
+    (tmp_path / "m.ini").write_text(f"[TRAJ]\nCOORDINATES=XYZA\n{axes}[AXIS_A]\nMIN_LIMIT=0\nMAX_LIMIT=0\n")
+    found = imported("linuxcnc", tmp_path / "m.ini")
+
+    assert "A: {" not in found.text and left(found)["[AXIS_A]MIN_LIMIT"][1]
+    run(found, tmp_path, PROGRAM.replace(b"T1 M6\n", b""))
+
+
 def test_everything_else_of_the_ini_is_listed_with_its_line(mill: Path) -> None:
     found = imported("linuxcnc", mill)
     lines = MILL.splitlines()
@@ -292,6 +316,54 @@ def test_a_configuration_of_klipper(tmp_path: Path, kinematics: str) -> None:
     assert left(found)["[printer]minimum_cruise_ratio"] == (8, True)
     assert left(found)["[gcode_macro START_PRINT]"] == (16, True)
     assert ("[printer]kinematics" in left(found)) == (kinematics == "delta")
+
+
+def test_carriages_of_klipper_that_are_not_called_after_their_axes(tmp_path: Path) -> None:
+    text = KLIPPER.format(kinematics="generic_cartesian")
+    for letter in "xyz":
+        text = text.replace(f"[stepper_{letter}]", f"[carriage the_{letter}]\naxis: {letter}")
+    (tmp_path / "printer.cfg").write_text(text.replace("position_max: 250", "position_max: 20000000"))
+    found = imported("klipper", tmp_path / "printer.cfg")
+    job = run(found, tmp_path, PRINT)
+
+    assert job.shop is not None
+    assert job.shop.kinematics.joints.upper.tolist() == pytest.approx([0.235, 0.24, 0.998])
+    assert left(found)["[carriage the_z]position_max"][1]  # a belt that carries parts away
+
+
+BRANCHES = """#define DELTA
+#define SMALL 0
+#if ENABLED(DELTA) && !ENABLED(SMALL)
+  #define PRINTABLE_RADIUS 185.0f // mm
+  #define DELTA_HEIGHT 437.25
+#elif ANY(MORGAN_SCARA, MP_SCARA)
+  #define PRINTABLE_RADIUS 82
+#else
+  #define DELTA_HEIGHT 1
+#endif
+#ifndef DELTA_HEIGHT
+  #define X_MAX_POS 5
+#elif HAS_WHATEVER > 3
+  #define Y_MAX_POS PRINTABLE_RADIUS
+#endif
+#define X_BED_SIZE ((PRINTABLE_RADIUS) * 2)
+#define X_MIN_POS -(PRINTABLE_RADIUS)
+#define X_MAX_POS PRINTABLE_RADIUS
+#define Z_MAX_POS MANUAL_Z_HOME_POS
+#define MANUAL_Z_HOME_POS DELTA_HEIGHT
+"""
+
+
+def test_branches_of_marlin_that_do_not_hold(tmp_path: Path) -> None:
+    own = ("_POS", "X_BED", "/*")
+    text = "".join(line for line in MARLIN.splitlines(keepends=True) if not any(part in line for part in own))
+    (tmp_path / "Configuration.h").write_text(BRANCHES + text)
+    found = imported("marlin", tmp_path / "Configuration.h")
+
+    assert "X: {travel: [-185, 185 mm]" in found.text
+    assert "Y: {travel: [0, 185 mm]" in found.text  # of what is not known all branches count
+    assert "Z: {travel: [0, 437.25 mm]" in found.text
+    assert left(found)["DELTA"] == (1, True)
 
 
 CORNERS = """{classic}#define CLASSIC_JERK
