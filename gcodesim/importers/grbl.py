@@ -19,12 +19,15 @@ from gcodesim.importers.importer import (
     read_text,
     written,
 )
+from gcodesim.units import INCH, MM
 
 _LINE: Final = re.compile(r"\s*\$(\d+)\s*=\s*([^\s(;]+)")
 _OFFSET: Final = re.compile(r"\s*\[(G5[4-9]|G28|G30|G92|TLO|PRB):([^\]]*)\]")
 _LETTERS: Final = "XYZABC"
 _TRAVEL, _SPEED, _ACCELERATION = 130, 110, 120
-_PULL_OFF, _DIRECTIONS, _LASER, _FASTEST = "$27", "$23", "$32", "$30"
+_PULL_OFF, _DIRECTIONS, _MODE, _FASTEST, _INCHES, _HOMING = "$27", "$23", "$32", "$30", "$13", "$22"
+_AT_HOME: Final = 8  # bit of $22 of grblHAL: machine zero is where the axes are after homing (known by memory)
+_IS_LASER, _IS_LATHE = 1, 2  # $32; the second is grblHAL's (known by memory)
 
 _REASONS: Final = (
     ("$100", "steps of the motor", False),
@@ -35,15 +38,13 @@ _REASONS: Final = (
     ("$12", "arcs are exact", False),
     ("$20", "limits are always checked", False),
     ("$21", "limit switches", False),
-    ("$22", "homing", False),
     ("$24", "homing", False),
     ("$25", "homing", False),
     ("$26", "homing", False),
     ("$31", "a cell has no least speed of a spindle", True),
-    ("$13", "units of reports", False),
     ("$10", "reports", False),
 )
-_EXACT: Final = ("$10", "$11", "$12", "$13")
+_EXACT: Final = ("$10", "$11", "$12")
 
 
 class Grbl(Importer):
@@ -77,31 +78,38 @@ def _settings(path: Path) -> Iterator[FoundSetting]:
 
 
 def _axes(settings: FoundSettings) -> Iterator[tuple[str, ImportedAxis]]:
-    """Machine zero is where the axes are after homing, and everything else lies on the negative side."""
+    """Everything lies on the negative side of machine zero, which is where the switches of axes that home upwards are;
+    or machine zero is where the axes are after homing."""
     towards = int(settings.number(_DIRECTIONS) or 0)
     pull = settings.number(_PULL_OFF) or 0.0
+    at_home = bool(int(settings.number(_HOMING) or 0) & _AT_HOME)
     for index, letter in enumerate(_LETTERS):
         speed, travel = settings.number(f"${_SPEED + index}"), settings.number(f"${_TRAVEL + index}")
         change = settings.number(f"${_ACCELERATION + index}")
         if not speed or not travel:
+            for name in (_SPEED + index, _ACCELERATION + index, _TRAVEL + index):
+                if (found := settings.last(f"${name}")) is not None:
+                    settings.leave(found, f"axis {letter} has no speed or no travel: the cell has none", matters=True)
             continue
-        low = -abs(travel)
-        home = low + pull if towards >> index & 1 else -pull
+        back = bool(towards >> index & 1)
+        low = 0.0 if at_home and back else -abs(travel)
+        home = 0.0 if at_home else low + pull if back else -pull
         yield (
             letter,
             ImportedAxis(
                 letter=letter,
                 lower=low,
-                upper=0.0,
+                upper=low + abs(travel),
                 speed=speed / 60.0,
                 acceleration=change or None,
-                home=min(0.0, max(low, home)),
+                home=min(low + abs(travel), max(low, home)),
             ),
         )
 
 
 def _offsets(settings: FoundSettings) -> list[str]:
-    """Work systems as `$#` lists them."""
+    """Work systems as `$#` lists them: in the units of reports."""
+    unit = INCH / MM if settings.number(_INCHES) else 1.0
     systems = []
     for number in range(4, 10):
         found = settings.last(f"G5{number}")
@@ -111,13 +119,16 @@ def _offsets(settings: FoundSettings) -> list[str]:
         if len(values) < 3 or None in values:
             settings.leave(found, "no three numbers", matters=True)
             continue
-        systems.append(f"G5{number}: {{xyz: [{', '.join(written(v) for v in values[:3] if v is not None)} mm]}}")
+        systems.append(f"G5{number}: {{xyz: [{', '.join(written(v * unit) for v in values[:3] if v is not None)} mm]}}")
     return [f"work_offsets: {{{', '.join(systems)}}}"] if systems else []
 
 
 def _spindle(settings: FoundSettings) -> list[str]:
     fastest = settings.number(_FASTEST)
-    if settings.number(_LASER):
+    mode = settings.last(_MODE)
+    if mode is not None and settings.number(_MODE) == _IS_LATHE:
+        settings.leave(mode, "a lathe: say `lathe: true` under `machine`, and which way its axes point", matters=True)
+    elif settings.number(_MODE) == _IS_LASER:
         return [f"laser_mode: {written(fastest or 1000.0)}"]
     return [f"limits: {{spindle_speed: {written(fastest)} rpm}}"] if fastest else []
 

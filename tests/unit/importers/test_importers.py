@@ -295,6 +295,26 @@ def test_a_list_of_grbl(tmp_path: Path, laser: str, offsets: str, expected: str)
     assert left(found)["$100"] == (7, False) and left(found)["$10"] == (1, False)
 
 
+def test_offsets_of_grbl_are_in_the_units_of_its_reports(tmp_path: Path) -> None:
+    """$13: the list of `$#` is in inches; that of `$$` is not."""
+    (tmp_path / "grbl.txt").write_text(GRBL.format(laser=0, offsets="$13=1\n[G54:-4.000,-2.000,-1.000]\n"))
+    found = imported("grbl", tmp_path / "grbl.txt")
+
+    assert "G54: {xyz: [-101.6, -50.8, -25.4 mm]}" in found.text and "X: {travel: [-300, 0 mm]" in found.text
+
+
+def test_what_only_grblhal_means(tmp_path: Path) -> None:
+    """A lathe is no laser, zero may be at home, and an axis may have no travel."""
+    own = "$22=9\n$113=3600\n$123=100\n$133=0\n"
+    (tmp_path / "grbl.txt").write_text(GRBL.format(laser=2, offsets=own))
+    found = imported("grbl", tmp_path / "grbl.txt")
+
+    assert "laser_mode" not in found.text and left(found)["$32"][1] and left(found)["$133"][1]
+    assert "X: {travel: [-300, 0 mm], speed: 50 mm/s, acceleration: 200 mm/s^2, home: 0 mm}" in found.text
+    assert "Y: {travel: [0, 180 mm], speed: 40 mm/s, acceleration: 200 mm/s^2, home: 0 mm}" in found.text
+    run(found, tmp_path, b"G21 G90\nG0 X5 Y0 Z-1\nG1 X10 F300\nM2\n")
+
+
 @pytest.mark.parametrize("kinematics", ["corexy", "delta"])
 def test_a_configuration_of_klipper(tmp_path: Path, kinematics: str) -> None:
     (tmp_path / "parts").mkdir()
