@@ -197,6 +197,9 @@ G.table = (place, title, remark, head, rows, sum) => {
   }
 };
 
+// A name of results.json in words, its unit as one writes it.
+G.heading = (key) => key.replace(/_mm_min$/, "_mm/min").replace(/_Nm$/, "_N·m").replace(/_mm2$/, "_mm²").replace(/_mm3$/, "_mm³").replaceAll("_", " ");
+
 // Removed volume as it is, material that was laid with a plus.
 G.volume = (value) => value < -0.5 ? `+${G.number(-value, 0)}` : G.number(Math.max(value, 0), 0);
 
@@ -238,11 +241,11 @@ G.tables = (place) => {
     const usual = ["number", "name", "time_s", "feed_mm", "removed_mm3", "max_force_N", "max_torque_Nm", "max_power_W", "line_of_max_force"];
     const own = [...new Set((results.tools || []).flatMap(Object.keys))].filter((key) => !usual.includes(key));
     if (times.tools.length) {
-      G.table(place, `${name}Time by tool`, "all moves, dwells and its change", [["tool", "l"], ["time"], [""], ["in material"], ["volume mm³"], ["force N"], ["power W"], ...own.map((key) => [key.replaceAll("_", " ")])],
+      G.table(place, `${name}Time by tool`, "all moves, dwells and its change", [["tool", "l"], ["time"], [""], ["in material"], ["volume mm³"], ["force N"], ["power W"], ...own.map((key) => [G.heading(key)])],
         times.tools.map((tool) => ({
           cells: [tool.number ? `T${tool.number}${tool.name !== `T${tool.number}` ? ` ${tool.name}` : ""}` : "no tool", G.clock(tool.time_s), G.share(tool.time_s, total), G.clock(tool.engaged_s),
             G.volume(tool.removed_mm3), G.number(toolRow(tool.number).max_force_N ?? tool.max_force_N, 1), G.number(toolRow(tool.number).max_power_W ?? tool.max_power_W, 0),
-            ...own.map((key) => G.number(toolRow(tool.number)[key] ?? 0, 3))],
+            ...own.map((key) => G.short(toolRow(tool.number)[key] ?? 0))],
           t: (() => { const i = run.blocks.modal.findIndex((m) => run.modals[m].tool === tool.number); return i < 0 ? null : run.blocks.t[i]; })(),
         })), ["total", G.clock(times.tools.reduce((sum, tool) => sum + tool.time_s, 0)), "", "", "", "", "", ...own.map(() => "")]);
     }

@@ -47,6 +47,7 @@ PROBE = r"""<script>
   seen.ready = document.body.dataset.ready;
   seen.start = G.time;
   seen.views = G.views.length;
+  seen.headings = [...document.querySelectorAll("th")].map((heading) => heading.textContent);
   // how far from the middle of the view, as a share of half its size, the corners of what is there at first lie
   seen.opening = (() => {
     const view = G.views[0], camera = view.camera;
@@ -191,6 +192,11 @@ def test_it_opens_with_part_tool_and_machine_in_view(seen):
     assert 0.05 < opening["part"] < 1.0  # neither lost nor cut off
     assert len(opening["bodies"]) >= 2 and opening["tools"] >= 1  # the tool, and the body that is nearest to its tip
     assert max(opening["bodies"]) < 1.0
+
+
+def test_columns_of_results_have_words_and_units(seen):
+    assert {"mean feed mm/min", "peak torque N·m"} <= {heading.removeprefix("max ") for heading in seen["headings"]}
+    assert not [heading for heading in seen["headings"] if re.search(r"_|mm min|Nm|mm\d", heading)]
 
 
 def test_the_part_is_drawn_and_loses_material_in_time(seen):
