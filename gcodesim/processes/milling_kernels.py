@@ -438,20 +438,21 @@ def is_close(one: float, other: float, share: float) -> bool:
 
 @kernel(lean=True)
 def greatest_loads(
-    teeth: Teeth, heading: Heading, chip: float, room: Room, used: int, result: Array, cells: float, peaks: Array
+    teeth: Teeth, heading: Heading, chip: float, cell: float, room: Room, used: int, result: Array, way: float,
+    peaks: Array,
 ) -> tuple[float, float]:
-    """Greatest force [N] and torque [N·m] within a revolution, after a way of so many `cells` in contact.
+    """Greatest force [N] and torque [N·m] within a revolution, after so long a `way` [m] in contact.
 
     They are looked for only where the cut is no longer like the one for which they were found last, which `peaks`
     remembers; a steady cut goes on for hundreds of steps.
     """
     mean, turn = float(np.sqrt(result[0] * result[0] + result[1] * result[1] + result[2] * result[2])), result[TORQUE]
-    peaks[GONE] += cells
+    peaks[GONE] += way / cell
     if min(mean, turn, peaks[MEAN_FORCE], peaks[MEAN_TORQUE]) > 0.0 and is_known(result, mean, chip, peaks):
         # contact that grows raises a mean more than its peaks
         by_force, by_torque = min(mean / peaks[MEAN_FORCE], 1.0), min(turn / peaks[MEAN_TORQUE], 1.0)
         return peaks[PEAK_OF_FORCE] * by_force, peaks[PEAK_OF_TORQUE] * by_torque
-    force, torque = peaks_of(teeth, heading.level, heading.climb, chip, room, used)
+    force, torque = peaks_of(teeth, heading.level, heading.climb, chip, cell, room, used)
     peaks[MEAN_FORCE], peaks[MEAN_TORQUE], peaks[FED] = mean, turn, chip
     peaks[AT_DEPTH], peaks[AT_WIDTH] = result[DEPTH], result[WIDTH]
     peaks[AT_ENTRY], peaks[AT_EXIT] = result[ENTRY], result[EXIT]
@@ -524,8 +525,8 @@ def feel(
         out[FEED_FORCE] = ux * result[0] + uy * result[1]
         out[SIDE_FORCE] = ux * result[1] - uy * result[0]
         way_cut = Heading(ux, uy, level, climb)
-        cells = length / coarsest(field)
-        force, torque = greatest_loads(tool.teeth, way_cut, chip, room, used, result, cells, state.peaks)
+        cell = coarsest(field)
+        force, torque = greatest_loads(tool.teeth, way_cut, chip, cell, room, used, result, length, state.peaks)
         out[PEAK], out[PEAK_TORQUE] = ratio * force, ratio * torque
         out[OUT_TORQUE] = result[TORQUE]
         out[POWER] = result[TORQUE] * spindle

@@ -53,6 +53,7 @@ MOST_OF_ROW = ANGLES // 2  # stretches of one row
 ONE = 2.0 * np.pi / ANGLES  # angle [rad]
 PER_ANGLE = ANGLES / (2.0 * np.pi)
 TURNS = 4096.0  # more than a helix makes
+HALF = 0.5  # share at the middle of a soft wall
 SOFTEST = 3  # angles over which a wall may be soft
 ALIKE = 0.02  # share by which two angles, or two rows of a cylinder, are still alike
 WHOLE = 0.5  # share of an angle from which on contact that is no longer than two is short rather than thin
@@ -85,6 +86,7 @@ class Chips(NamedTuple):
     climb: float
     circle: Circle
     pitch: float  # [rad]
+    blur: float  # [m] over which a wall is soft
 
 
 class TipLoad(NamedTuple):
@@ -95,12 +97,51 @@ class TipLoad(NamedTuple):
 
 
 @kernel(lean=True, inlined=True)
+def is_blurred(chips: Chips, row: Array, line: Array) -> bool:
+    """Whether a row is so near to the axis that a wall is soft over more angles than `lay_row` bears.
+
+    Asked of a flat bottom only, which advances all the way round or nowhere.
+    """
+    if row[SIN_KAPPA] > UPRIGHT or chips.blur <= SOFTEST * ONE * row[RADIUS]:
+        return False
+    least, most = 2.0, 0.0
+    for k in range(ANGLES):
+        least, most = min(least, line[k]), max(most, line[k])
+    return least < HALF < most
+
+
+@kernel(lean=True)
+def lay_blurred(chips: Chips, row: Array, line: Array, stretches: Array, number: int) -> int:
+    """`lay_row` for such a row: a wall is where the share is a half, however soft it is."""
+    for k in range(ANGLES):
+        if line[k] <= HALF or line[k - 1] > HALF:
+            continue
+        enter = k - 0.5 + (HALF - line[k - 1]) / (line[k] - line[k - 1])
+        last = k
+        while line[(last + 1) % ANGLES] > HALF:
+            last += 1
+        here, behind = line[last % ANGLES], line[(last + 1) % ANGLES]
+        leave = last + 0.5 + (here - HALF) / (here - behind)
+        stretch = stretches[number]
+        stretch[ENTER_LOW], stretch[ENTER_HIGH] = enter * ONE, enter * ONE
+        stretch[LEAVE_LOW], stretch[LEAVE_HIGH] = leave * ONE, leave * ONE
+        stretch[AT_RADIUS], stretch[SINE_AT], stretch[COSINE_AT] = row[RADIUS], row[SIN_KAPPA], row[COS_KAPPA]
+        stretch[WIDE], stretch[SHARE] = row[EDGE_WIDTH], 1.0
+        stretch[SHARE_FIRST], stretch[SHARE_LAST] = 0.0, 0.0
+        stretch[JOINS_LOW], stretch[JOINS_HIGH] = 0.0, 0.0
+        number += 1
+    return number
+
+
+@kernel(lean=True, inlined=True)
 def lay_row(chips: Chips, row: Array, line: Array, stretches: Array, number: int) -> int:
     """Add the stretches of a row with shares `line` (ANGLES,) to the first `number`; how many there are then.
 
     An angle at the end of one is in contact in as large a part as it has of the share beside it, unless the edge begins
     or ceases to advance there. Both points enter and leave at the phi of the row's middle.
     """
+    if is_blurred(chips, row, line):
+        return lay_blurred(chips, row, line, stretches, number)
     sines, sine, fall = chips.circle.sines, chips.level * row[SIN_KAPPA], chips.climb * row[COS_KAPPA]
     k, end = int(row[FROM]), int(row[TO])
     while k < end:
@@ -438,14 +479,16 @@ def greatest_in(chips: Chips, room: Room, number: int, gap: Array, known: TipLoa
 
 
 @kernel(lean=True)
-def peaks_of(teeth: Teeth, level: float, climb: float, chip: float, room: Room, used: int) -> tuple[float, float]:
+def peaks_of(
+    teeth: Teeth, level: float, climb: float, chip: float, blur: float, room: Room, used: int
+) -> tuple[float, float]:
     """Greatest force [N] and torque [N·m] within a revolution, of all teeth and heights at once.
 
     The first `used` rows of `room` are those of `cutting_force` for the feed per tooth `chip` [m].
     """
     law = teeth.law
     scale = Scale(scale_of(law, TANGENTIAL, chip), scale_of(law, NORMAL, chip), scale_of(law, AXIAL, chip))
-    chips = Chips(law, scale, level, climb, teeth.circle, 2.0 * np.pi / teeth.number)
+    chips = Chips(law, scale, level, climb, teeth.circle, 2.0 * np.pi / teeth.number, blur)
     number = lay_stretches(teeth, chips, room, used, room.stretches)
     found = find_borders(room.stretches, number, chips.pitch, room.borders)
     if found == 0:
