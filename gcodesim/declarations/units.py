@@ -8,6 +8,7 @@ are looked at.
 from __future__ import annotations
 
 import difflib
+import re
 from functools import cache
 from math import pi
 from typing import Final
@@ -133,8 +134,8 @@ UNITS: Final[tuple[Unit, ...]] = (
     Unit("rpm", "rotational speed", si.RPM, ("rev/min", "1/min", "r/min", "min^-1")),
     Unit("rad/s", "rotational speed", 1.0),
     Unit("Hz", "rotational speed", 2.0 * pi, ("1/s", "rev/s")),
-    Unit("m/s^2", "acceleration", 1.0),
-    Unit("mm/s^2", "acceleration", si.MM),
+    Unit("m/s^2", "acceleration", 1.0, ("m/s/s",)),
+    Unit("mm/s^2", "acceleration", si.MM, ("mm/s/s",)),
     Unit("in/s^2", "acceleration", si.INCH),
     Unit("g", "acceleration", STANDARD_GRAVITY),
     Unit("deg/s^2", "angular acceleration", si.DEG),
@@ -168,8 +169,10 @@ UNITS: Final[tuple[Unit, ...]] = (
     Unit("psi", "pressure", INCH_POUND * STANDARD_GRAVITY / (si.INCH * si.INCH)),
     Unit("bar", "pressure", 1e5),
     Unit("GPa", "pressure", 1e9, ("kN/mm^2",)),
-    Unit("hp·min/in^3", "pressure", si.HP * si.MINUTE / (si.INCH * si.INCH * si.INCH), ("hp/in^3/min",)),
-    Unit("kW·min/cm^3", "pressure", si.KW * si.MINUTE / 1e-6, ("kW/cm^3/min",)),
+    Unit(
+        "hp·min/in^3", "pressure", si.HP * si.MINUTE / (si.INCH * si.INCH * si.INCH), ("hp/in^3/min", "hp/(in^3/min)")
+    ),
+    Unit("kW·min/cm^3", "pressure", si.KW * si.MINUTE / 1e-6, ("kW/cm^3/min", "kW/(cm^3/min)")),
     Unit("N/mm", "force per length", si.N_PER_MM, ("kN/m",)),
     Unit("N/m", "force per length", 1.0),
     Unit("N/mm", "stiffness", si.N_PER_MM, ("kN/m",)),
@@ -209,8 +212,8 @@ UNITS: Final[tuple[Unit, ...]] = (
     Unit("W/mm^2", "power per area", 1000000.0),
     Unit("W/cm^2", "power per area", 10000.0),
     Unit("W/m^2", "power per area", 1.0),
-    Unit("J/kg·K", "specific heat", 1.0),
-    Unit("kJ/kg·K", "specific heat", 1000.0),
+    Unit("J/kg·K", "specific heat", 1.0, ("J/kgK",)),
+    Unit("kJ/kg·K", "specific heat", 1000.0, ("kJ/kgK", "J/g·K", "J/gK")),
     Unit("kJ/kg", "latent heat", 1000.0),
     Unit("J/kg", "latent heat", 1.0),
     Unit("J/g", "latent heat", 1000.0),
@@ -229,12 +232,22 @@ _SPELLING = str.maketrans(
     {"⋅": "·", "∙": "·", "*": "·", "µ": "u", "μ": "u", "²": "^2", "³": "^3", "°": "deg", "″": '"'}
 )
 
+_BRACKETS = re.compile(r"\(([^()/]*)\)")
+
 
 def normal(text: str) -> str:
-    """A unit as the table writes it: no blanks, one middle dot, `^2` for ², `u` for µ, `deg` for °."""
+    """A unit as the table writes it: no blanks, one middle dot, `^2` for ², `u` for µ, `deg` for °, one `/`.
+
+    All behind the first `/` is below the line: `J/(kg K)` and `J/kg/K` are `J/kg·K`. A quotient of a quotient keeps
+    its brackets.
+    """
     text = text.strip().translate(_SPELLING)
     text = text.replace(" / ", "/").replace("/ ", "/").replace(" /", "/").replace(" · ", "·")
-    return "·".join(text.split()).replace("s2", "s^2").replace("mm2", "mm^2").replace("mm3", "mm^3").replace("^^", "^")
+    text = _BRACKETS.sub(r"\1", "·".join(text.split()))
+    above, slash, below = text.partition("/")
+    if "(" not in below:
+        below = below.replace("/", "·")
+    return (above + slash + below).replace("s2", "s^2").replace("mm2", "mm^2").replace("mm3", "mm^3").replace("^^", "^")
 
 
 @cache

@@ -57,8 +57,9 @@ def first_cell(program: SourceText) -> FirstCell | PrinterCell | LatheCell:
     if not is_print(program):
         return LatheCell.of(program) or FirstCell.of(program)
     printer = PrinterCell.of(program)
-    if printer is None:
-        raise NoCellError(f"{program.name} is a program for a printer, but it lays nothing")
+    if not printer.lays:
+        stopped = f" before the error in line {printer.failed}; `gcodesim lint` shows it" if printer.failed else ""
+        raise NoCellError(f"{program.name} is a program for a printer, but it lays nothing{stopped}")
     return printer
 
 

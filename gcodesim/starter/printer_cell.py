@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable, Iterator
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.arithmetic.distinct import distinct
+from gcodesim.canon import Event, ToolNumber
+from gcodesim.canon.batch import MoveBatch
 from gcodesim.diagnostics import Severity, SourceText
 from gcodesim.frozen import frozen
 from gcodesim.motion.build import build_tool_path
@@ -36,14 +39,16 @@ _KLIPPER = re.compile(
 _REPRAP = re.compile(rb"^[ \t]*M(?:566|572|593|98 )|^;[ \t]*gcode_flavor = reprap|^;FLAVOR:RepRap", re.MULTILINE)
 _SLICER = re.compile(rb"PrusaSlicer|OrcaSlicer|SuperSlicer|BambuStudio|Slic3r|Cura_SteamEngine|ideaMaker|Simplify3D")
 _EXTRUDES = re.compile(rb"^[ \t]*G0?1\b[^;\r\n]*[ \t]E-?[0-9.]", re.MULTILINE)
+_BEAD = re.compile(rb"^[ \t]*G0?1[ \t][^;(\r\n]*Y-?[0-9.][^;(\r\n]*[ \t]E[0-9.]", re.MULTILINE)  # no lathe has Y
 
 
 def is_print(program: SourceText) -> bool:
-    """Whether a program is one for a printer: its heaters say so, or its slicer."""
+    """Whether a program is one for a printer: its heaters say so, its slicer, or beads in the plane."""
     foreign = foreign_of(program)
     if foreign is not None:
         return foreign.kind == "printer"
-    return bool(_EXTRUDES.search(program.raw) and (_SLICER.search(program.raw) or _KLIPPER.search(program.raw)))
+    raw = program.raw
+    return bool(_BEAD.search(raw) or (_EXTRUDES.search(raw) and (_SLICER.search(raw) or _KLIPPER.search(raw))))
 
 
 @frozen
@@ -55,20 +60,32 @@ class PrinterCell:
     why: str
     failed: int
     path: ToolPath
+    chosen: frozenset[int]
     settings: dict[str, str]
 
     @staticmethod
-    def of(program: SourceText) -> PrinterCell | None:
-        """From the moves of a program; None if it lays nothing."""
+    def of(program: SourceText) -> PrinterCell:
+        """From the moves of a program, up to its first error."""
         dialect, why = _dialect_of(program.raw)
         table = ToolTable({number: ToolEntry(number=number) for number in range(_MOST_NOZZLES)})
         run = interpret(program, Settings(dialect=dialect, tool_table=table, has_cell=True))
-        path = build_tool_path(run.stream(), ZERO)
+        chosen: set[int] = set()
+        path = build_tool_path(_choices(run.stream(), chosen), ZERO)
         error = next((f.span.line for f in run.findings if f.level >= Severity.ERROR), 0)
-        cell = PrinterCell(
-            program=program.name, dialect=dialect, why=why, failed=error, path=path, settings=_settings(program.raw)
+        return PrinterCell(
+            program=program.name,
+            dialect=dialect,
+            why=why,
+            failed=error,
+            path=path,
+            chosen=frozenset(chosen),
+            settings=_settings(program.raw),
         )
-        return cell if cell.laying.any() else None
+
+    @property
+    def lays(self) -> bool:
+        """Whether anything is laid."""
+        return bool(self.laying.any())
 
     @property
     def laying(self) -> NDArray[np.bool_]:
@@ -143,7 +160,9 @@ class PrinterCell:
         return points.min(axis=0), points.max(axis=0)
 
     def _nozzles(self) -> list[int]:
-        return sorted({int(self.path.states[s].tool) for s in distinct(self.path.state[self.laying]).tolist()})
+        """Those that lay something, those that are only chosen, cleaned or primed, and T0, from which words count."""
+        laying = distinct(self.path.state[self.laying]).tolist()
+        return sorted({0}.union(self.chosen, (self.path.states[state].tool for state in laying)))
 
     def _bed(self, bead: float) -> tuple[Array, Array]:
         """Corners (3,) of the bed, whose top is Z0: as the slicer says, and at least around what is laid."""
@@ -192,9 +211,18 @@ class PrinterCell:
 
     def _filament(self, number: int) -> float:
         """Diameter [mm] of the filament of a nozzle."""
-        told = self.settings.get("filament_diameter", "").split(",")
-        own = told[number] if number < len(told) else told[0]
+        listed = self.settings.get("filament_diameter") or self.settings.get("filamentdiameters", "")
+        told = re.split(r"[,;|]", listed)
+        own = self.settings.get(f"filament_diameter_#{number + 1}") or told[number if number < len(told) else 0]
         return _number(own) or _FILAMENT
+
+
+def _choices(events: Iterable[Event | MoveBatch], chosen: set[int]) -> Iterator[Event | MoveBatch]:
+    """The events as they are; tools that lines of the program choose are put into `chosen`."""
+    for event in events:
+        if isinstance(event, ToolNumber) and event.span.line:
+            chosen.add(event.tool)
+        yield event
 
 
 def _dialect_of(raw: bytes) -> tuple[str, str]:
@@ -206,9 +234,9 @@ def _dialect_of(raw: bytes) -> tuple[str, str]:
 
 
 def _settings(raw: bytes) -> dict[str, str]:
-    """What slicers write as comments `; name = value`, in PrusaSlicer and its family, or `;name: value`."""
+    """What slicers write as comments: `; name = value` (PrusaSlicer and its like), `;name: value`, `;  name,value`."""
     found: dict[str, str] = {}
-    for name, value in re.findall(rb"^;[ \t]*([A-Za-z_ ]+?)[ \t]*[=:,][ \t]*([^\r\n]*)", raw, re.MULTILINE):
+    for name, value in re.findall(rb"^;[ \t]*([A-Za-z_ ]+?(?:#[0-9]+)?)[ \t]*[=:,][ \t]*([^\r\n]*)", raw, re.MULTILINE):
         found.setdefault(name.decode().strip().lower().replace(" ", "_"), value.decode("utf-8", "replace").strip())
     return found
 

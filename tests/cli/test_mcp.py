@@ -1,16 +1,17 @@
-"""`gcodesim mcp`: the tools that it offers, by the protocol, and that they stay in their folder."""
+"""`gcodesim mcp`: what a client of the protocol gets, and that the tools stay in their folder."""
 
 from __future__ import annotations
 
+import asyncio
 import json
+import os
 import subprocess
 import sys
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
 
 import pytest
+from mcp import ClientSession, StdioServerParameters, stdio_client
+from mcp.types import CallToolResult
 
 from gcodesim.cli.folder_tools import FolderTools
 
@@ -18,49 +19,15 @@ PROGRAM = "G21 G90\nG1 X10 F100\nG1 Y\nM2\n"
 CELL = "gcodesim: 1\nmachine: gantry_xyz\nsimulation: {world: kinematic}\n"
 
 
-class Client:
-    """The other end of standard input and output: one JSON message a line."""
-
-    def __init__(self, server: subprocess.Popen[str]) -> None:
-        self._server, self._number = server, 0
-
-    def tell(self, method: str, **parameters: Any) -> None:
-        assert self._server.stdin is not None
-        self._server.stdin.write(json.dumps({"jsonrpc": "2.0", "method": method, "params": parameters}) + "\n")
-        self._server.stdin.flush()
-
-    def ask(self, method: str, **parameters: Any) -> Any:
-        assert self._server.stdin is not None and self._server.stdout is not None
-        self._number += 1
-        message = {"jsonrpc": "2.0", "id": self._number, "method": method, "params": parameters}
-        self._server.stdin.write(json.dumps(message) + "\n")
-        self._server.stdin.flush()
-        while True:
-            answer = json.loads(self._server.stdout.readline())
-            if answer.get("id") == self._number:
-                assert "error" not in answer, answer
-                return answer["result"]
-
-    def call(self, name: str, **arguments: str) -> Any:
-        result = self.ask("tools/call", name=name, arguments=arguments)
-        assert not result.get("isError"), result
-        return json.loads(result["content"][0]["text"])
-
-
-@contextmanager
-def _served(folder: Path) -> Iterator[Client]:
-    command = [sys.executable, "-m", "gcodesim", "mcp", str(folder)]
-    with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as server:
-        client = Client(server)
-        own = {"name": "test", "version": "1"}
-        client.ask("initialize", protocolVersion="2025-06-18", capabilities={}, clientInfo=own)
-        client.tell("notifications/initialized")
-        try:
-            yield client
-        finally:
-            assert server.stdin is not None
-            server.stdin.close()
-            server.wait(600)
+async def _asked(folder: Path, calls: list[tuple[str, dict[str, str]]]) -> tuple[set[str], list[CallToolResult]]:
+    """Names of the tools and answers to calls, as a client of the protocol gets them."""
+    command = StdioServerParameters(
+        command=sys.executable, args=["-m", "gcodesim", "mcp", str(folder)], env=dict(os.environ)
+    )
+    async with stdio_client(command) as (reading, writing), ClientSession(reading, writing) as session:
+        await session.initialize()
+        tools = {tool.name for tool in (await session.list_tools()).tools}
+        return tools, [await session.call_tool(name, words) for name, words in calls]
 
 
 @pytest.fixture
@@ -74,23 +41,27 @@ def folder(tmp_path: Path) -> Path:
     return inside
 
 
-def test_the_tools_answer_what_the_commands_print(folder: Path) -> None:
-    with _served(folder) as client:
-        names = {tool["name"] for tool in client.ask("tools/list")["tools"]}
-        linted = client.call("lint", program="part.nc")
-        checked = client.call("check", program="good.nc", cell="cell.yaml")
-        explained = client.call("explain", code="GS203")
+def test_the_tools_answer_a_client_what_the_commands_print(folder: Path) -> None:
+    both = {"program": "good.nc", "cell": "cell.yaml"}
+    calls = [("lint", {"program": "part.nc"}), ("check", both), ("explain", {"code": "GS203"}), ("lint", both)]
+    calls += [("lint", {"program": "../secret.nc"}), ("lint", {"no": "program"})]
+
+    names, (linted, checked, explained, clean, outside, wrong) = asyncio.run(_asked(folder, calls))
     printed = subprocess.run(
         [sys.executable, "-m", "gcodesim", "lint", "part.nc", "--format", "json"], cwd=folder, capture_output=True
     )
 
     assert names == {"lint", "check", "run", "diff", "explain"}
-    assert linted["exit_status"] == printed.returncode == 1
-    assert [f["code"] for f in linted["output"]["findings"]] == [
-        f["code"] for f in json.loads(printed.stdout)["findings"]
-    ]
-    assert checked["exit_status"] == 0 and checked["output"]["time"]["feed_s"] > 0.0
-    assert explained["output"].startswith("GS203")
+    said = linted.structured_content
+    assert said is not None and said["exit_status"] == printed.returncode == 1
+    assert said["output"] == json.loads(printed.stdout)
+    assert json.loads(linted.content[0].text) == said  # type: ignore[union-attr]
+    assert checked.structured_content["exit_status"] == 0  # type: ignore[index]
+    assert checked.structured_content["output"]["time"]["feed_s"] > 0.0  # type: ignore[index]
+    assert explained.structured_content["output"].startswith("GS203")  # type: ignore[index]
+    assert clean.structured_content == {"exit_status": 0, "output": {"findings": []}, "messages": ""}
+    assert outside.structured_content["exit_status"] == 2  # type: ignore[index]
+    assert wrong.is_error and "program" in wrong.content[0].text  # type: ignore[union-attr]
 
 
 def test_run_writes_into_the_folder_and_diff_compares(folder: Path) -> None:

@@ -96,6 +96,32 @@ def test_a_wait_in_vain_is_told_with_its_line_and_what_is_there() -> None:
     assert "nothing is in its beam" in found[0][2] and "`door` is in its beam" in found[1][2]
 
 
+TWO = """
+gcodesim: 1
+robots:
+  a: {model: kuka_kr10_r1100_2, home: [0, -90, 90, 0, 90, 0]}
+  b: {model: kuka_kr10_r1100_2, home: [0, -90, 90, 0, 90, 0], base: {xyz: [0, 3000, 0]}}
+channels:
+  first: {robot: a, inputs: {P4: {sensor: gate}}}
+  second: {robot: b, program: second.nc}
+sensors:
+  gate: {type: light_barrier, in: world, xyz: [0, 5000, 20], beam: [0, 160, 0]}
+simulation: {world: kinematic}
+"""
+
+
+@pytest.mark.parametrize(("question", "told"), [("M66 P4 L0\n", [("GS593", 2)]), ("G4 P1\n", [])])
+def test_a_sensor_that_is_asked_while_another_program_runs_is_told(
+    question: str, told: list[tuple[str, int]], tmp_path: Path
+) -> None:
+    (tmp_path / "second.nc").write_text("G4 P1\nM2\n")
+
+    ran = run_texts(f"G21 G90\n{question}M2\n", TWO, folder=tmp_path)
+
+    assert [(f.code, f.span.line) for f in ran.results.findings if f.code == "GS593"] == told
+    assert not [f for f in ran.bad if f.code != "GS593"]
+
+
 @pytest.mark.parametrize(
     ("wired", "code"), [("{sensor: gatw}", "GS712"), ("{sensor: eye}", "GS711"), ("{sensors: gate}", "GS706")]
 )

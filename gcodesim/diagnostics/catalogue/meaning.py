@@ -377,13 +377,15 @@ CODES: tuple[Code, ...] = (
         title="Words that the control passes over",
         what=(
             "A block with M98 holds other codes, or L0; a block with M72 holds more than that; Grbl, which "
-            "has no switch for it, meets M1; or a Fanuc block has a slash inside."
+            "has no switch for it, meets M1; or a Fanuc block has a slash inside. In an M code of a printer, a value "
+            "stands without its letter."
         ),
         why=(
             "What stands there is never done. L0 calls nothing, and yet the next M99 comes back to this "
-            "block. Grbl does not stop at M1. Many Fanuc controls read nothing behind such a slash."
+            "block. Grbl does not stop at M1. Many Fanuc controls read nothing behind such a slash. `M203 80` "
+            "leaves all speeds of a printer as they were."
         ),
-        remedy="Put the other words into a block of their own; on Grbl write M0 to stop.",
+        remedy="Put the other words into a block of their own; on Grbl write M0 to stop; write `M203 E80`.",
     ),
     Code(
         code="GS195",

@@ -227,7 +227,7 @@ CODES += (
         severity=Severity.NOTE,
         title="A macro of the printer is not simulated",
         what="The program calls a macro (START_PRINT, EXCLUDE_OBJECT_START …) that is defined in the printer's own "
-        "configuration, or a command of Klipper that is not simulated.",
+        "configuration, a command of Klipper that is not simulated, or a G code of the maker's own (G2814 of Bambu).",
         why="What it does is not known here: it may home, heat, move, or lay a line of filament.",
         remedy="Put the moves of the macro into the program if they matter.",
     ),

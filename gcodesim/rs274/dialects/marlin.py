@@ -22,6 +22,13 @@ _SKIPPED = (
         "GS923",
         "what a display shows changes no motion",
     ),
+    Unsimulated(("M17", "M18", "M84"), "GS907", "motors without current move nothing here"),
+    Unsimulated(("M400",), "GS907", "what follows begins after the moves before it anyway"),
+    Unsimulated(
+        ("M92", "M420", "M425", "M572", "M851", "M900"),
+        "GS907",
+        "the printer is taken to go where the program says, and to lay what it says",
+    ),
     Unsimulated(("macro",), "GS924", "only the printer's configuration says what it does"),
 )
 

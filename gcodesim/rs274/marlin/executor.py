@@ -35,6 +35,10 @@ _KNOWN_G: Final = frozenset(
 """G codes that are read and not simulated: of levelling, cleaning, parking and the like; 39, 150 and 380 to 392, also
 with a point behind, are Bambu's. All others move, so that what follows would be wrong."""
 
+_OWN_G: Final = 600
+"""G codes from here on are a maker's or user's own, as macros are: G2814 of Bambu, G999 in a script that changes
+nozzles. No firmware's own code is as high."""
+
 _NO_NOZZLE: Final = 255
 """T255, T1000 and the like are no nozzles: with them Bambu's start code unloads filament, or ends a change."""
 
@@ -116,10 +120,14 @@ class PrinterExecutor(Executor):
         elif self._mapped(line):
             pass
         elif name in CODES:
+            self._pass_over_text(line)
             CODES[name](self, line)
         elif name[0] == "T":
             self.choose_tool(int(name[1:].partition(".")[0]), line)
-        elif name[0] == "G" and int(name[1:].partition(".")[0]) not in _KNOWN_G:
+        elif name[0] == "G" and (number := int(name[1:].partition(".")[0])) not in _KNOWN_G:
+            if number >= _OWN_G:
+                self.skip(f"macro {name}", line)
+                return
             raise Fault(
                 "GS012",
                 f"{name} is not simulated for printers, so the places after it would be wrong",
@@ -128,6 +136,16 @@ class PrinterExecutor(Executor):
             )
         else:
             self.skip(name, line)
+
+    def _pass_over_text(self, line: MarlinLine) -> None:
+        """GS194: text where a code that is simulated has words; firmware reads on without it."""
+        if line.stray is not None:
+            self.control.warn(
+                "GS194",
+                f"{line.name} passes over `{line.text}`",
+                "a value stands behind the letter that it belongs to",
+                line.stray,
+            )
 
     def _macro(self, line: MarlinLine) -> None:
         if line.name in MACROS:

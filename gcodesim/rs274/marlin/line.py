@@ -28,7 +28,8 @@ class MarlinLine:
     """What a line says. `name` is the command, as G1, M104, T0 or START_PRINT; empty where it has none.
 
     `values` has the number of each letter (None for the X of `G28 X`), `places` where it stands, `text` what
-    stands behind a command that takes text; `settings` the `NAME=value` of a macro in capitals.
+    stands behind a command that takes text, or where words end in an M code: at a file name, an address, a bare number,
+    a letter for the second time; that begins at `stray`. `settings` has the `NAME=value` of a macro in capitals.
     """
 
     name: str = ""
@@ -36,6 +37,7 @@ class MarlinLine:
     values: dict[str, float | None] = field(default_factory=dict)
     places: dict[str, ColumnRange] = field(default_factory=dict)
     text: str = ""
+    stray: ColumnRange | None = None
     settings: dict[str, str] = field(default_factory=dict)
     is_macro: bool = False
     note: str = ""
@@ -89,6 +91,15 @@ def _checksum(sent: str) -> int:
     return total
 
 
+def _no_word(text: str, letter: str, place: ColumnRange) -> Fault:
+    """What ends the words of a line: a letter that was there already, or something that is none."""
+    if letter:
+        return Fault("GS004", f"the letter {letter.upper()} stands twice in this line", at=place)
+    return Fault(
+        "GS001", f"`{text}` is no word of a printer's program", at=place, hint="a word is a letter and a number"
+    )
+
+
 def _read_words(code: str, at: int, line: MarlinLine) -> None:
     stop = len(code.rstrip())
     while at < stop:
@@ -98,18 +109,13 @@ def _read_words(code: str, at: int, line: MarlinLine) -> None:
             closed = code.find(")", at)
             at = stop if closed < 0 else closed + 1
             continue
-        if found[4]:
-            place = found.span(4)
-            raise Fault(
-                "GS001",
-                f"`{found[4]}` is no word of a printer's program",
-                at=place,
-                hint="a word is a letter and a number",
-            )
-        letter = found[1].lower()
-        place = (found.start(1), found.end())
-        if letter in line.values:
-            raise Fault("GS004", f"the letter {found[1].upper()} stands twice in this line", at=place)
+        letter = (found[1] or "").lower()
+        place = (found.start(1), found.end()) if letter else found.span(4)
+        if not letter or letter in line.values:
+            if line.name[:1] != "M":
+                raise _no_word(found[0].strip(), letter, place)
+            line.stray, line.text = (place[0], stop), code[place[0] : stop]
+            return
         line.values[letter] = None if found[2] is None else float(found[2])
         line.places[letter] = place
         at = found.end()

@@ -36,12 +36,19 @@ from gcodesim.declarations.units import DIMENSIONS, UNITS, find, in_unit, measur
         ("kW", "power", 1e3),
         ("ms", "time", 1e-3),
         ("%", "ratio", 0.01),
+        ("J/(kg*K)", "specific heat", 1.0),
+        ("J / (kg K)", "specific heat", 1.0),
+        ("J/kg/K", "specific heat", 1.0),
+        ("kJ/kgK", "specific heat", 1e3),
+        ("(N·m)/rad", "torsional stiffness", 1.0),
+        ("mm/s/s", "acceleration", 1e-3),
+        ("hp/(in^3/min)", "pressure", 550 * 0.3048 * 0.45359237 * 9.80665 * 60 / 0.0254**3),
     ],
 )
 def test_spellings(text: str, dimension: str, factor: float) -> None:
     unit = find(text, dimension)
 
-    assert unit is not None and unit.factor == pytest.approx(factor, rel=1e-15)
+    assert unit is not None and unit.factor == pytest.approx(factor, rel=1e-14)
 
 
 def test_case_counts() -> None:

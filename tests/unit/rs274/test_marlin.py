@@ -144,6 +144,27 @@ def test_numbers_checksums_case_and_spaces(printed):
     assert "GS017" in [f.code for f in printed(text.format(total ^ 1)).findings]
 
 
+def test_text_behind_an_m_code_is_passed_over(printed):
+    """As start and end scripts of real printers have it: Marlin drops a value without letter, hosts read an address."""
+    done = printed("M203 80\nM81 192.168.1.84;(off)\nM42 P8 S255 on!\nM970.3 Q0 A7 Q0\nG1 X1 F60\n")
+
+    assert [(f.code, f.level.word, f.span.line, f.span.column) for f in done.findings if f.code == "GS194"] == [
+        ("GS194", "warning", 1, 6)
+    ]
+    assert not [f for f in done.findings if f.level.word == "error"]
+    assert done.ends == [[1, 0, 0]]
+
+
+def test_g_codes_of_a_maker_are_macros(printed):
+    done = printed("G1 X1 F60\nG2814 Z0.32\nG999 T1\nG1 X2\n")
+
+    assert [(f.code, f.level.word, f.span.line) for f in done.findings if f.span.line] == [
+        ("GS924", "note", 2),
+        ("GS924", "note", 3),
+    ]
+    assert done.ends == [[1, 0, 0], [2, 0, 0]]
+
+
 @pytest.mark.parametrize(
     ("line", "code", "column"),
     [

@@ -97,8 +97,45 @@ def test_nozzles_that_are_used_are_there():
     assert sorted(cell_of(text).cell.tools) == [0, 1]
 
 
+def test_beads_alone_tell_a_print():
+    """A stretch of a print, without heaters and without a slicer's name."""
+    text = "G0 F3600 X96.2 Y96.8 Z0.2\nG1 F1350 X95.7 Y76.3 E4.2\n" + "G1 X95.5 Y76.1 E4.3\n" * 20
+    assert cell_of(text).cell.channels["main"].dialect == "marlin"
+
+
+def test_nozzles_that_are_only_chosen_are_there():
+    """Simplify3D's start primes each nozzle, of which the part may use one."""
+    text = PRUSA.replace("G28\n", "G28\nT1\nG92 E0\nG1 E10 F200\nT0\n")
+    assert sorted(cell_of(text).cell.tools) == [0, 1]
+    assert sorted(cell_of(PRUSA).cell.tools) == [0]
+
+
+def test_the_second_nozzle_alone_needs_the_first_to_count_from():
+    text = PRUSA.replace("M83\n", "M83\nT1\n")
+    loaded = cell_of(text)
+
+    assert sorted(loaded.cell.tools) == [0, 1]
+    assert bad(SourceText("part.gcode", text.encode()), loaded) == []
+
+
+@pytest.mark.parametrize(
+    ("said", "diameter"),
+    [
+        (";   filamentDiameters,1.75|2.85|2.85", 2.85),
+        (";Filament Diameter #1: 1.750\n;Filament Diameter #2: 2.850", 2.85),
+        ("; filament_diameter = 1.75,2.85", 2.85),
+    ],
+)
+def test_each_nozzle_has_its_filament(said, diameter):
+    text = PRUSA.replace("; filament_diameter = 2.85", said).replace("G1 Y60", "T1\nG1 Y60")
+    assert cell_of(text).cell.tools[1].filament_diameter == pytest.approx(diameter * 1e-3)
+
+
+def test_an_error_before_anything_is_laid_is_named():
+    with pytest.raises(NoCellError, match=r"lays nothing before the error in line 3; `gcodesim lint`"):
+        read(PRUSA.replace("G28\n", "G1 X#1\n"))
+
+
 def test_a_program_that_lays_nothing_has_no_cell():
     with pytest.raises(NoCellError, match="lays nothing"):
         read("M104 S200\nM109 S200\nG28\nG1 X10 F600\n")
-
-
