@@ -492,7 +492,7 @@ def _coated(shop: Shop) -> dict[str, Coated]:
     usual = finest(shop.cell.tools.values())
     sizes = {frame: spec.resolution or usual for frame, spec in coats.items()}
     skins = {placed.frame: _stock_skin(placed.stock) for placed in shop.stocks.values()}
-    solids = {body.name: partial(_skin_of, body) for body in shop.scene.bodies if body.role in _IN_THE_WAY}
+    solids = {body.name: partial(skin_of, body) for body in shop.scene.bodies if body.role in _IN_THE_WAY}
     skins = {**skins, **{frame: skin for frame, skin in solids.items() if frame not in skins}}
     shading = Shading([*skins.items()])
     found = {}
@@ -518,7 +518,7 @@ def _stock_skin(stock: Stock) -> Callable[[], Triangles]:
     return skin
 
 
-def _skin_of(body: Body) -> Triangles:
+def skin_of(body: Body) -> Triangles:
     """The skins of all solids of a body, in its frame."""
     parts = [(placed.X, triangles_of(placed.solid)) for placed in body.solids]
     if not parts:

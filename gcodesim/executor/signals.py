@@ -9,7 +9,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from gcodesim.canon import Action, Event, Output, Spindle
+from gcodesim.canon import Action, Event, Output
 from gcodesim.cell.signals import SignalSource, SignalWord
 from gcodesim.motion.tool_path import PathEvent, ToolPath
 from gcodesim.processes.loading import LOAD_IN_TOOL, PUSHES
@@ -72,25 +72,6 @@ def signals_of_rows(
     for name, source in (sources or {}).items():
         found[name] = source.factor * _numbers(source.word, heard, spindle) + source.zero
     return found
-
-
-def value_of_action(event: Event, signal: Signal) -> float | None:
-    """What an event of a mapped M-code sets a signal to that no word of the cell gives; None: nothing."""
-    if not isinstance(event, Action):
-        return None
-    return next((a.value for a in signal.set_by if (a.target, a.verb) == (event.target, event.verb)), None)
-
-
-def number_after(event: Event, source: SignalSource) -> float | None:
-    """What an event sets a signal to that a word of the cell gives; None: nothing."""
-    if source.word.type in ("speed", "turning"):
-        if not isinstance(event, Spindle):
-            return None
-        turns = event.direction != "off" and event.speed != 0.0
-        number: float | None = (event.speed / RPM if source.word.type == "speed" else 1.0) if turns else 0.0
-    else:
-        number = source.word.number_of(event)
-    return None if number is None else source.factor * number + source.zero
 
 
 def _pushes(path: ToolPath, state: NDArray[Any]) -> dict[str, NDArray[Any]]:

@@ -7,22 +7,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from gcodesim.arithmetic.matrices import multiplied
-from gcodesim.canon import Action, Event, Output, Spindle
-from gcodesim.executor.signals import number_after, value_of_action
+from gcodesim.cell.signal_values import value_after
 from gcodesim.frames import Array
 from gcodesim.processes.signal import Signal
 from gcodesim.shop import Shop
 
 if TYPE_CHECKING:
     from gcodesim.planning import Plan
-
-
-def value_after(event: Event, signal: Signal, shop: Shop) -> float | None:
-    """What an event sets a signal to; None if it leaves it alone."""
-    if not isinstance(event, (Action, Output, Spindle)):
-        return None
-    source = shop.signal_sources.get(signal.name)
-    return value_of_action(event, signal) if source is None else number_after(event, source)
 
 
 class Switching:
@@ -39,7 +30,7 @@ class Switching:
             value = signal.default if source is None else source.zero
             times, values = [], [value]
             for timed in self._plan.trajectory.events:
-                new = value_after(timed.event, signal, self._shop)
+                new = value_after(timed.event, signal, self._shop.signal_sources)
                 if new is not None:
                     times.append(timed.time)
                     values.append(new)

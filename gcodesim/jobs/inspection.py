@@ -11,11 +11,11 @@ import numpy as np
 from gcodesim.arithmetic.distinct import distinct
 from gcodesim.arithmetic.matrices import dots
 from gcodesim.canon import AXIS_LETTERS, Dwell, ToolChange
+from gcodesim.cell.signal_values import value_after
 from gcodesim.checks.saturation import saturation_findings
 from gcodesim.diagnostics import Diagnostic, Severity, Span
 from gcodesim.diagnostics.events import Flags
 from gcodesim.executor.record import StepRecord
-from gcodesim.executor.switching import value_after
 from gcodesim.executor.tasks import RowColumns
 from gcodesim.executor.totals import JointTotals, RowTotals
 from gcodesim.jobs.calls import Calls
@@ -87,7 +87,7 @@ class Inspector:
         self._switches = {
             each.row: each.event.span
             for each in plan.path.events
-            if any(value_after(each.event, signal, shop) is not None for signal in Gripping.reads)
+            if any(value_after(each.event, signal, shop.signal_sources) is not None for signal in Gripping.reads)
         }
         self._kinds = {
             kind: np.isin(rows.tool, [n for n, tool in shop.cell.tools.items() if _does(shop, kind, tool)])

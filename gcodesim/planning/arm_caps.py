@@ -119,8 +119,7 @@ class ArmCaps:
         acceleration forwards and backwards, are looked at: everything in between lies between them.
         """
         i, path = nodes.segments, self.pieces.path
-        tools = np.array([state.tool for state in path.states], dtype=np.int64)
-        tool = tools[path.state[self.pieces.row_first[self.piece]]]
+        tool = loads.on_rows(path)[self.pieces.row_first[self.piece]]
         v, a = self.found.speed[:, None], np.minimum(self.found.acceleration, 1e6)[:, None]
         r0, r1, mean = self.rates
         step, twice, h = r1 - r0, 6.0 * mean - 3.0 * (r0 + r1), self.length[:, None]

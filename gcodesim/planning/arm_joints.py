@@ -18,6 +18,7 @@ from gcodesim.planning.plan import JointExtremes
 
 if TYPE_CHECKING:
     from gcodesim.kinematics.protocol import Kinematics
+    from gcodesim.planning.grips import Grips
 
 
 @frozen(slots=False, kw_only=False, eq=False)
@@ -34,6 +35,7 @@ class ArmJoints:
     bridged: NDArray[np.bool_]
     home: Array
     moves: dict[int, JointMove]  # of pieces in joint space
+    grips: Grips | None = None  # as they are at the end
 
     def joints(self, samples: Samples) -> Array:
         """Joint values (n, j) [rad, m] at samples in order of time."""

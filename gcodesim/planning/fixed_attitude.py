@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import field, replace
+from functools import partial
 from typing import TYPE_CHECKING, Final, TypeAlias
 
 import numpy as np
@@ -54,6 +55,7 @@ if TYPE_CHECKING:
     from gcodesim.kinematics.attitude import AttitudeLaw
     from gcodesim.kinematics.chain import Joints
     from gcodesim.kinematics.protocol import Kinematics
+    from gcodesim.planning.grips import Grips
 
 Solved: TypeAlias = tuple[Nodes, Array, NDArray[np.uint8]]  # nodes, joints (k, j) and status (k,) at them
 
@@ -89,6 +91,8 @@ class FixedAttitude:
     Spin, configuration and chosen external axes keep clear of `obstacles` where they can.
 
     With a `surface` the words are directions along its normals.
+
+    What `grips` hold weighs on the motors.
     """
 
     frames: Mapping[int, Array] = field(default_factory=dict)
@@ -110,6 +114,7 @@ class FixedAttitude:
     stands: Stands | None = None
     obstacles: Obstacles | None = None
     surface: SurfaceAxis | None = None
+    grips: Grips | None = None
 
     @property
     def understands(self) -> frozenset[Commanded]:
@@ -188,14 +193,19 @@ class FixedAttitude:
         moves = _joint_moves(kinematics, pieces, nodes, q_nodes, home, rest, ends)
         caps.report(kinematics, findings)
         report_turning_joints(kinematics, flange, nodes, q_nodes, ~bridged, findings)
+        grips = self.grips
         if self.loads is not None and self.loads.matter:
-            caps, slow = caps.within(self.loads, nodes, q_nodes)
-            moves, slower = _moves_within(moves, self.loads, pieces)
+            loads = self.loads
+            if grips is not None:
+                found, grips = grips.along(path, partial(_joints_before, pieces, nodes, q_nodes, moves, home))
+                loads = loads.with_grips(path, found)
+            caps, slow = caps.within(loads, nodes, q_nodes)
+            moves, slower = _moves_within(moves, loads, pieces)
             report_slow_motors(kinematics, pieces, Slowing.together([*slow, *slower]), findings)
         caps = caps.softened(nodes, kinematics.joints.jerk)
         for piece, move in moves.items():
             pieces.length[piece] = pieces.curves.length[pieces.curve[piece]] = max(move.duration, SHORTEST)
-        joints = ArmJoints(kinematics, flange, nodes, q_nodes, bridged, home, moves)
+        joints = ArmJoints(kinematics, flange, nodes, q_nodes, bridged, home, moves, grips)
         return Posed(pieces, joints, caps.with_moves())
 
     def _bends(self, path: ToolPath) -> Array | None:
@@ -379,6 +389,7 @@ class FixedAttitude:
             outside=outside,
             held_bend=None if bend is None else bend[-1],
             stands=None if self.stands is None else self.stands.after(path),
+            grips=leg.grips,
         )
 
     def R_BO(self, path: ToolPath) -> Array:
@@ -466,13 +477,27 @@ def _joint_moves(
     return moves
 
 
+def _joints_before(
+    pieces: Pieces, nodes: Nodes, q_nodes: Array, moves: Mapping[int, JointMove], start: Array, row: int
+) -> Array:
+    """The joints (j,) with which a row begins; `start` before the first one."""
+    piece = int(np.searchsorted(pieces.row_last, row, side="left")) - 1
+    if piece < 0:
+        return start
+    if piece in moves:
+        return moves[piece].end
+    joints: Array = q_nodes[int(np.searchsorted(nodes.piece, piece, side="right")) - 1]
+    return joints
+
+
 def _moves_within(
     moves: dict[int, JointMove], loads: Loads, pieces: Pieces
 ) -> tuple[dict[int, JointMove], list[Slowing]]:
     """The joint moves by their pieces, slower where motors need it, and what they need it for."""
     found, why = {}, []
+    cases = loads.on_rows(pieces.path)
     for piece, move in moves.items():
-        tool = pieces.path.state_of(int(pieces.row_last[piece])).tool
+        tool = int(cases[pieces.row_last[piece]])
         found[piece], slowing = move.within(loads, tool, piece)
         why += [] if slowing is None else [slowing]
     return found, why

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import field
-from typing import Final
+from dataclasses import field, replace
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +14,11 @@ from gcodesim.arithmetic.matrices import applied, multiplied
 from gcodesim.frames import Array, Pose
 from gcodesim.frozen import frozen
 from gcodesim.kinematics.chain import Chain, Inertial
-from gcodesim.kinematics.dynamics import GRAVITY, inverse_dynamics
+from gcodesim.kinematics.dynamics import GRAVITY, inverse_dynamics, merge
+
+if TYPE_CHECKING:
+    from gcodesim.motion.tool_path import ToolPath
+    from gcodesim.planning.grips import Grip
 
 _SHARE: Final = 0.98  # of an effort limit; the rest is for what changes between the places that are looked at
 _FOR_WORK: Final = 0.99  # of what a joint at rest leaves its motor; the rest is for motion, however much the work asks
@@ -54,6 +58,9 @@ class Loads:
     `gravity` (3,) [m/s²] is in base axes. `pushes` act on tools by number, `motors` are those of a controller, None for
     ideal ones. How deep a tool will be in the work no plan knows: of its process, only the force that it is expected to
     make counts.
+
+    Along one path grippers may hold something besides: then `cases` (n,) says of each row which entry of `tools` and
+    `pushes` counts, negative ones being tools with what they hold.
     """
 
     chain: Chain
@@ -61,6 +68,34 @@ class Loads:
     tools: Mapping[int, Inertial | None] = field(default_factory=dict)
     pushes: Mapping[int, TipPush] = field(default_factory=dict)
     motors: Motors | None = None
+    cases: NDArray[np.int64] | None = None
+
+    def on_rows(self, path: ToolPath) -> NDArray[np.int64]:
+        """Which load each row (n,) of the path is run with."""
+        if self.cases is not None:
+            return self.cases
+        tools = np.array([state.tool for state in path.states], dtype=np.int64)
+        return tools[path.state]
+
+    def with_grips(self, path: ToolPath, grips: Sequence[Grip]) -> Loads:
+        """The loads along `path` with what grippers hold from rows on."""
+        if not any(grip.payload is not None for grip in grips):
+            return self
+        tools, pushes, cases = dict(self.tools), dict(self.pushes), self.on_rows(path)
+        own = cases.copy()
+        for k, grip in enumerate(grips):
+            end = grips[k + 1].row if k + 1 < len(grips) else len(path)
+            if grip.payload is None or end <= grip.row:
+                continue
+            for number in distinct(own[grip.row : end]).tolist():
+                held = [(each, np.eye(4)) for each in (self.tools.get(number), grip.payload) if each is not None]
+                case = -1 - len(tools)
+                tools[case] = merge(held)
+                if number in self.pushes:
+                    pushes[case] = self.pushes[number]
+                rows = cases[grip.row : end]
+                rows[own[grip.row : end] == number] = case
+        return replace(self, tools=tools, pushes=pushes, cases=cases)
 
     @property
     def limit(self) -> Array:

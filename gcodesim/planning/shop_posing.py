@@ -9,6 +9,7 @@ import numpy as np
 from gcodesim.arithmetic.matrices import applied, dot, norm
 from gcodesim.cell.arm_point import attitude_of
 from gcodesim.cell.externals import columns_of
+from gcodesim.cell.signal_values import value_after
 from gcodesim.frames import Array, Pose
 from gcodesim.kinematics.attitude import WordTurns
 from gcodesim.kinematics.branch_names import branches_named
@@ -24,6 +25,7 @@ from gcodesim.solids import triangles_of
 if TYPE_CHECKING:
     from gcodesim.kinematics.attitude import AttitudeLaw
     from gcodesim.planning.fixed_attitude import FixedAttitude
+    from gcodesim.planning.grips import Grips
     from gcodesim.planning.guide import Outside
     from gcodesim.planning.loads import Loads, Motors, TipPush
     from gcodesim.planning.obstacles import Obstacles
@@ -83,6 +85,26 @@ def _fixed_attitude(shop: Shop, obstacles: Obstacles | None) -> FixedAttitude:
         bends={n: X.inverse().matrix for n, tool in shop.cell.tools.items() if (X := tool.X_FN) is not None},
         stands=_stands(shop, outside),
         obstacles=obstacles,
+        grips=_grips(shop),
+    )
+
+
+def _grips(shop: Shop) -> Grips | None:
+    """What the grippers of the arm may hold; None where there is none, or no part."""
+    from gcodesim.processes.gripping import GRIP
+    from gcodesim.tools.gripper import Gripper
+
+    grippers = {number: tool for number, tool in shop.cell.tools.items() if isinstance(tool, Gripper)}
+    if not grippers or not shop.cell.parts:
+        return None
+    from gcodesim.planning.grips import Grips
+
+    return Grips(
+        scene=shop.scene,
+        mover=shop.name,
+        flange=f"{shop.name}/{shop.kinematics.chain.flange_name}",
+        grippers=grippers,
+        words=lambda event: value_after(event, GRIP, shop.signal_sources),
     )
 
 
