@@ -1,7 +1,8 @@
 """Fanuc's lathes, G-code system A: X is a diameter, U and W are steps, T0101 is a tool with its offset.
 
 Each block is turned into blocks of the milling control, whose X is a radius: G99 and G98 into G95 and G94, G32 into
-G33, the turning cycles G70 to G76, G90, G92 and G94 into their moves. As in the operator's manual of the 0i-TF.
+G33, the turning cycles G70 to G76, G90, G92 and G94 into their moves. As in the operator's manual of the 0i-TF; cycles
+in one block, with D, as in that of the series 10 and 11 and in Haas' lathe operator's manual.
 """
 
 from __future__ import annotations
@@ -174,9 +175,14 @@ class FanucLatheExecutor(FanucExecutor):
         if feed is not None:
             self.say(block, index, [("f", feed)])
         first = self.prepared.get(code, {})
+        if (both := lathe_cycles.in_one_block(code, values)) is not None:
+            first, values = both
+            for letter in sorted({"i", "k"} & values.keys() if code < 73.0 else ()):
+                where = next(p for (own, _), p in zip(block.words, block.places, strict=True) if own == letter)
+                self.control.skip(f"G{code:g} {letter.upper()}", where)  # a pass of its own for what is left
         if code < 74.0:
-            contour, last, both = self._moves_of_contour(block, index, values)
-            lathe_cycles.rough(self, block, index, code, first, values, contour, pockets=both)
+            contour, last, pockets = self._moves_of_contour(block, index, values)
+            lathe_cycles.rough(self, block, index, code, first, values, contour, pockets=pockets)
             self.flow.frame.at = last + 1
         elif code == 76.0:
             lathe_cycles.thread(self, block, index, first, values)
@@ -236,12 +242,12 @@ class FanucLatheExecutor(FanucExecutor):
 
 
 def _fine(block: Block, values: dict[str, float]) -> dict[str, float]:
-    """P and Q without a point count in thousandths, where they are lengths."""
+    """P, Q and D without a point count in thousandths, where they are lengths."""
     found = {}
     for (letter, value), (first, last) in zip(block.words, block.places, strict=True):
-        if letter in "pq" and not any(char in block.text[first:last] for char in ".#["):
+        if letter in "pqd" and not any(char in block.text[first:last] for char in ".#["):
             found[f"{letter}_fine"] = 1e-3 * float(value)  # type: ignore[arg-type]
-        elif letter in "pq":
+        elif letter in "pqd":
             found[f"{letter}_fine"] = values[letter]
     return found
 

@@ -44,6 +44,28 @@ def _thread_to(lathe: FanucLatheExecutor, block: Block, index: int, z: float, x:
     lathe.say(block, index, [("g", 33.0), ("x", x), ("z", z), ("k", pitch)])
 
 
+def in_one_block(code: float, values: dict[str, float]) -> tuple[dict[str, float], dict[str, float]] | None:
+    """The words of a cycle's two blocks, where it is written in one; None where it is not.
+
+    D is the depth of a cut in G71 and G72 and the number of cuts in G73, of which I and K are the way aside; in G76 it is
+    the first cut, K the height, A the angle, I the taper. In G74 and G75 I and K are the steps along X and Z.
+    """
+    if code in (74.0, 75.0):
+        if values.keys().isdisjoint("ik"):
+            return None
+        along, aside = ("k", "i") if code == 74.0 else ("i", "k")
+        steps = {"q_fine" if code == 74.0 else "p_fine": values.get(along, 0.0)}
+        return {}, values | steps | {"p_fine" if code == 74.0 else "q_fine": values.get(aside, 0.0)}
+    if "d" not in values:
+        return None
+    if code == 73.0:
+        return {"r": values["d"], "u": values.get("i", 0.0), "w": values.get("k", 0.0)}, values
+    if code == 76.0:
+        one = {"p_fine": values.get("k", 0.0), "q_fine": values["d_fine"], "r": values.get("i", 0.0)}
+        return {"finishing": 0.0, "angle": values.get("a", 0.0)}, values | one
+    return {"u" if code == 71.0 else "w": values["d_fine"]}, values
+
+
 def rough(
     lathe: FanucLatheExecutor,
     block: Block,
@@ -71,7 +93,7 @@ def rough(
     depth = first.get("u" if code == 71.0 else "w", 0.0)
     if depth <= 0.0:
         letter = "U" if code == 71.0 else "W"
-        message = f"G{code:g} needs the depth of a cut, {letter}, in a line before: G{code:g} {letter}2. R0.5"
+        message = f"G{code:g} needs the depth of a cut: {letter} in a line before, G{code:g} {letter}2. R0.5, or D"
         raise Fault("GS105", message)
     points = [(z + shift[0], x + shift[1]) for z, x in chords(start, contour)[1:]]
     swap = code == 72.0
@@ -150,11 +172,11 @@ def thread(
     z0, x0 = lathe.here()
     z, x = lathe.end_of(values, (z0, x0))
     code = round(first.get("p", 10060.0))
-    finishing, angle = max(1, code // 10000), code % 100
+    finishing, angle = round(first.get("finishing", max(1, code // 10000))), first.get("angle", float(code % 100))
     height, cut, pitch = values.get("p_fine", 0.0), values.get("q_fine", 0.0), values.get("f")
     least, allowance, taper = first.get("q_fine", 0.0), first.get("r", 0.0), values.get("r", 0.0)
     if height <= 0.0 or cut <= 0.0 or pitch is None:
-        raise Fault("GS105", "G76 needs the height P, the first cut Q and the lead F")
+        raise Fault("GS105", "G76 needs the height P, the first cut Q and the lead F, or K, D and F in one block")
     sign = 1.0 if x0 >= x else -1.0
     peak = x + sign * height
     slope = tan(math.radians(0.5 * angle)) * (1.0 if z <= z0 else -1.0)

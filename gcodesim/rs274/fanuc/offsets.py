@@ -181,9 +181,11 @@ def _go_home(words: Words, control: FanucControl) -> None:
     who = g_name(code).upper()
     if control.state.side:
         raise Fault("GS150", f"{who} is refused in cutter compensation", at=who.lower(), hint="say G40 first")
+    named = set(words.values) if words.has_axes() else set(AXES)
     if not words.has_axes():
+        message = f"{who} names no axis: all go home at once, as on a Haas; a Fanuc wants them named"
         hint = f"G91 {who} Z0 takes Z home from where it stands"
-        raise Fault("GS103", f"{who} needs the axes that go home", at=who.lower(), hint=hint)
+        control.warn("GS103", message, hint, place_of(words.block, who.lower()))
     first: int | None = homes.G28_HOME
     polar.refuse(words, control, who)
     if code == 300:
@@ -193,13 +195,14 @@ def _go_home(words: Words, control: FanucControl) -> None:
         if which > 2:
             control.skip(f"G30 P{which}", place_of(words.block, "g30"))
         first = homes.G30_HOME if which == 2 else None
-    control.rapid(end_point(words, control), who)
+    if words.has_axes():
+        control.rapid(end_point(words, control), who)
     control.via = control.axes()
     known = control.parameters.numbers
     home = ZERO if first is None else control.stored(first)
     axes = control.axes()
     end: Vector = tuple(  # type: ignore[assignment]
-        home[axis] if letter in words.values else axes[axis] for axis, letter in enumerate(AXES)
+        home[axis] if letter in named else axes[axis] for axis, letter in enumerate(AXES)
     )
     unknown = first is None or not any(first + axis in known for axis in range(6))
     by_joints = unknown and control.settings.joint_home  # all of them, whichever axes are named

@@ -18,14 +18,14 @@ if TYPE_CHECKING:
     from gcodesim.rs274.control import Control
     from gcodesim.rs274.watch.doubt import Doubt
 
-_OFF = 400
+_OFF, _G17 = 400, 170
 _ENDS = frozenset((2, 30))
 
 
 class RapidInCompensation(Watch):
     """GS154: a rapid goes sideways on the offset path, lower than where rapids went before it was switched on.
 
-    A path that is offset from the contour is at the contour.
+    A path that is offset from the contour is at the contour. On lathes, where it lies along Z, no height is safe.
     """
 
     def __init__(self) -> None:
@@ -38,7 +38,7 @@ class RapidInCompensation(Watch):
 
     def block(self, words: Words, control: Control) -> None:
         code = words.g.get(COMPENSATION)
-        self._on = self._on or code not in (None, _OFF)
+        self._on = control.state.plane == _G17 and (self._on or code not in (None, _OFF))
         self._leaving = control.span if code == _OFF else None
 
     def doubt(self, doubt: Doubt) -> None:

@@ -221,6 +221,13 @@ def test_motion_code_beside_g28_sets_the_mode_only(fanuc):
     assert done.ends == [[0, 0, -5], [0, 0, -5], [0, 0, 0], [5, 0, 0]]
 
 
+def test_g28_without_axes_takes_all_home_as_on_a_haas(fanuc):
+    done = fanuc(body("G90 G00 X4. Y3. Z-5.", "G28", "M30"))
+
+    assert done.ends == [[4, 3, -5], [0, 0, 0]]
+    assert [(f.code, f.span.line, f.level.word) for f in done.findings] == [("GS103", 4, "warning")]
+
+
 def test_fine_boring_lifts_the_edge(fanuc):
     done = fanuc(body("S100 M03", "G90 G00 Z10.", "G98 G76 X5. Z-3. R1. Q.5 F50.", "M30"))
 

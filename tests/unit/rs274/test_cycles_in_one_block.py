@@ -1,0 +1,60 @@
+"""Turning cycles in one block, as Haas and Fanuc's older controls have them, make the moves of the two-block form."""
+
+from __future__ import annotations
+
+import pytest
+
+CONTOUR = "N10 G00 X12. Z1.\nG01 Z-10. F0.1\nX20. Z-14.\nG02 X26. Z-17. R3.\nN20 G01 X32.\n"
+ALONG_X = "N10 G00 Z-17. X34.\nG01 X20. F0.1\nX12. Z-10.\nN20 G01 Z1.\n"
+
+
+def _moves(program, cycle: str, contour: str = ""):
+    head = "O0001\nG21 G18 G40 G99\nT0101\nG97 S500 M3\nG00 X34. Z2.\n"
+    done = program(f"{head}{cycle}\n{contour}G00 X100. Z100.\nM30", dialect="fanuc_lathe")
+    kinds = ("rapid", "line", "arc", "sync_line", "spindle_sync")
+    return done, [(e["kind"], [round(v, 9) for v in e["end"]]) for e in done.events if e["kind"] in kinds]
+
+
+@pytest.mark.parametrize(
+    ("one", "two", "contour"),
+    [
+        ("G71 P10 Q20 U0.4 W0.1 D2. F0.2", "G71 U2. R0.5\nG71 P10 Q20 U0.4 W0.1 F0.2", CONTOUR),
+        ("G71 P10 Q20 U0.4 W0.1 D2000 F0.2", "G71 U2. R0.5\nG71 P10 Q20 U0.4 W0.1 F0.2", CONTOUR),
+        ("G72 P10 Q20 U0.4 W0.1 D2. F0.2", "G72 W2. R0.5\nG72 P10 Q20 U0.4 W0.1 F0.2", ALONG_X),
+        ("G73 P10 Q20 U0.4 W0.1 D3 I4. K1. F0.2", "G73 U4. W1. R3\nG73 P10 Q20 U0.4 W0.1 F0.2", CONTOUR),
+        ("G74 Z-20. K5. F0.1", "G74 R0.\nG74 Z-20. Q5000 F0.1", ""),
+        ("G75 X20. Z-6. I2. K4. F0.1", "G75 R0.\nG75 X20. Z-6. P2000 Q4000 F0.1", ""),
+    ],
+)
+def test_moves_are_those_of_two_blocks(program, one: str, two: str, contour: str) -> None:
+    done, moves = _moves(program, one, contour)
+    _, other = _moves(program, two, contour)
+
+    assert done.findings == []
+    assert len(moves) > 6
+    assert moves == other
+
+
+def test_a_thread_in_one_block_has_its_depths_and_no_pass_twice(program) -> None:
+    done, one = _moves(program, "G76 X28. Z-20. K1.2 D0.4 A60 F2.")
+    _, two = _moves(program, "G76 P010060 Q0 R0.\nG76 X28. Z-20. P1200 Q400 F2.")
+
+    assert done.findings == []
+    bottoms = [end[0] for kind, end in one if end[2] == pytest.approx(-20.0) and end[0] < 17.0]
+    depths = [15.2 - bottom for bottom in bottoms]  # of the peak, X as a radius
+    assert depths[:2] == pytest.approx([0.4, 0.4 * 2**0.5], abs=1e-3)  # of an increment
+    assert depths[-1] == pytest.approx(1.2)
+    assert 0 < len(two) - len(one) <= 5  # two blocks ask for a pass at full depth
+
+
+def test_an_allowance_of_a_pass_between_is_told(program) -> None:
+    done, _ = _moves(program, "G71 P10 Q20 U0.4 W0.1 D2. I0.3 F0.2", CONTOUR)
+
+    assert [(f.code, f.message, f.span.line) for f in done.findings] == [("GS913", "G71 I is read, but not simulated", 6)]
+
+
+def test_finishing_with_compensation_is_no_rapid_at_the_contour_of_a_mill(program) -> None:
+    contour = CONTOUR.replace("N10 G00 X12.", "N10 G00 G42 X12.").replace("N20 G01 X32.", "N20 G00 G40 X34.")
+    done, _ = _moves(program, "G71 P10 Q20 U0.4 W0.1 D2. F0.2", contour + "G70 P10 Q20\n")
+
+    assert [f.code for f in done.findings] == []
