@@ -47,8 +47,8 @@ def _thread_to(lathe: FanucLatheExecutor, block: Block, index: int, z: float, x:
 def in_one_block(code: float, values: dict[str, float]) -> tuple[dict[str, float], dict[str, float]] | None:
     """The words of a cycle's two blocks, where it is written in one; None where it is not.
 
-    D is the depth of a cut in G71 and G72 and the number of cuts in G73, of which I and K are the way aside; in G76 it is
-    the first cut, K the height, A the angle, I the taper. In G74 and G75 I and K are the steps along X and Z.
+    D is the depth of a cut in G71 and G72 and the number of cuts in G73, of which I and K are the way aside; in G76 it
+    is the first cut, K the height, A the angle, I the taper. In G74 and G75 I and K are the steps along X and Z.
     """
     if code in (74.0, 75.0):
         if values.keys().isdisjoint("ik"):
