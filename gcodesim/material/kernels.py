@@ -36,6 +36,7 @@ from gcodesim.material.query_kernels import (
 )
 from gcodesim.material.removal_kernels import (
     Found,
+    Scratch,
     remove,
     remove_piece,
     scratch,
@@ -53,6 +54,7 @@ __all__ = [
     "Found",
     "PassPieces",
     "Places",
+    "Scratch",
     "Shape",
     "Spots",
     "ToColumns",

@@ -8,10 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.compiled import kernel
-from gcodesim.material.field_kernels import PATCH_SHIFT, Columns, Field, patch_top
+from gcodesim.material.field_kernels import PATCH_SHIFT, Columns, Field, Grid, patch_top
+from gcodesim.material.floor_kernels import BLOCK, NONE, FloorLine, Sweep, find_floor, sweep_of
 from gcodesim.material.sweep_kernels import (
-    BALL,
-    Piece,
+    NUDGE_X,
+    NUDGE_Y,
     Shape,
     columns_across_x,
     columns_across_y,
@@ -22,11 +23,11 @@ from gcodesim.material.sweep_kernels import (
     x_of,
     y_of,
 )
-from gcodesim.material.wall_kernels import FIRST, FIRST_GONE, LAST, LAST_GONE, Cut, reckon_walls, shorten_walls
+from gcodesim.material.wall_kernels import Cut, Ends, forget, reckon_walls, shorten_walls
 
 Array = NDArray[np.float64]
-
-NONE = np.inf  # floor of a column from which nothing is swept
+Singles = NDArray[np.float32]
+Ints = NDArray[np.int64]
 
 
 @kernel(lean=True)
@@ -85,186 +86,315 @@ def overlap(columns: Columns, i: int, j: int, bottom: float, top: float) -> floa
     return total
 
 
-@kernel(lean=True)
-def mark_tall(low: Array, high: Array, height: float) -> bool:
-    """Whether any of the columns low..high (n,) [m] ends above `height` [m]."""
-    tall = np.uint8(0)
-    for j in range(low.shape[0]):
-        tall |= np.uint8(high[j] > height) & np.uint8(high[j] > low[j])
-    return bool(tall > 0)
+@kernel(lean=True, inlined=True)
+def find_strips(
+    grid: Grid, shape: tuple[int, int], sweep: Sweep, begin: int, end: int, first: Array, last: Array
+) -> None:
+    """Fill first and last (n,) with the first and last + 1 column that a sweep may meet in rows begin..end.
+
+    -1 twice where it never is; see `strip_range` and `row_range`.
+    """
+    x0, y0, _, ux, uy, length, _ = sweep.piece
+    radius, per_cell, columns = sweep.shape.radius, 1.0 / grid.dy, np.float64(shape[1])
+    slowness = 1.0 / ux if ux != 0.0 else 0.0
+    wide = radius * abs(slowness) if abs(ux) > 1.0e-9 else np.inf
+    for block in range(begin, end, BLOCK):
+        for k in range(BLOCK):
+            offset = grid.x + (block + k + 0.5 + NUDGE_X) * grid.dx - x0
+            a, b = (offset - radius) * slowness, (offset + radius) * slowness
+            begins = max(min(a, b), 0.0) if ux != 0.0 else 0.0
+            ends = min(max(a, b), length) if ux != 0.0 else length
+            near = min(max(offset * slowness, begins), ends)
+            half2 = radius * radius - (offset - ux * near) * (offset - ux * near)
+            half = np.sqrt(max(half2, 0.0))
+            middle = y0 + offset * uy * slowness
+            least = max(min(y0 + uy * begins, y0 + uy * ends) - half, middle - wide)
+            most = min(max(y0 + uy * begins, y0 + uy * ends) + half, middle + wide)
+            met = (half2 >= 0.0) & (begins <= ends)
+            low = np.floor((least - grid.y) * per_cell - 0.5 - NUDGE_Y) - 1.0
+            high = np.ceil((most - grid.y) * per_cell - 0.5 - NUDGE_Y) + 2.0
+            at = np.uint64(block) + np.uint64(k)
+            first[at] = max(low, 0.0) if met else -1.0
+            last[at] = min(high, columns) if met else -1.0
+
+
+class Scratch(NamedTuple):
+    """Room for the removal of pieces, made once by `scratch`."""
+
+    line: FloorLine
+    cut: Cut  # what was cut of all lines
+    first: Array  # (n,) column at which a row may be met first,
+    last: Array  # and last + 1
+    marks: Ints  # (BLOCK,) of the columns at one place of all blocks
+
+
+class ColumnBlocks(NamedTuple):
+    """Blocks of columns that cover a strip: where the first one begins, how many, and where the last in a row may."""
+
+    begin: int
+    number: int
+    last: int
+
+
+class Beside(NamedTuple):
+    """Walls at the borders of a row of columns: below and above each along x, and along y."""
+
+    below_x: Singles
+    above_x: Singles
+    below_y: Singles
+    above_y: Singles
+
+
+class Strip(NamedTuple):
+    """Columns first..last of row i that a tool may meet, at x from the start of the piece [m]."""
+
+    i: int
+    x: float
+    first: int
+    last: int
+
+
+@kernel
+def scratch(field: Field) -> Scratch:
+    """Room for the removal of pieces from a field."""
+    nx, ny = field.columns.number.shape
+    ys = np.empty(ny)
+    for j in range(ny):
+        ys[j] = y_of(field.grid, j)
+    n = max(nx, ny) + BLOCK
+    line = FloorLine(ys, np.empty(n), np.empty(n), np.empty(n), np.ones(n))
+    along_x = Ends(np.empty(ny), np.empty(ny), np.empty(ny), np.empty(ny))
+    along_y = Ends(np.empty(nx), np.empty(nx), np.empty(nx), np.empty(nx))
+    marks = np.empty(BLOCK, np.int64)
+    return Scratch(line, Cut(along_x, along_y), np.empty(nx + BLOCK), np.empty(nx + BLOCK), marks)
+
+
+# Marks of columns: one is met; one of these takes a closer look, one may have a wall; one in the strip, met or not, is
+# taller than the underside of the tool.
+SOME, ODD, WALLED, TALL = 1, 2, 4, 8
+
+
+@kernel(lean=True, inlined=True)
+def clear(marks: Ints) -> None:
+    """Nothing is noted of a row yet."""
+    for k in range(BLOCK):
+        marks[k] = 0
+
+
+@kernel(lean=True, inlined=True)
+def all_of(marks: Ints) -> int:
+    """The marks of any column of a row."""
+    found = 0
+    for k in range(BLOCK):
+        found |= marks[k]
+    return found
+
+
+@kernel(lean=True, inlined=True)
+def meet(
+    lows: Array, highs: Array, row: int, sweep: Sweep, strip: Strip, blocks: ColumnBlocks, line: FloorLine, marks: Ints
+) -> int:
+    """Find the floors of columns lows[row:] and highs[row:] with one interval each; NONE where they stay as they are.
+
+    Returns their marks.
+    """
+    begin, first, last, floor = np.uint64(row), np.uint64(strip.first), np.uint64(strip.last), line.floor
+    clear(marks)
+    for block in range(blocks.number):
+        at = np.uint64(min(blocks.begin + block * BLOCK, blocks.last))
+        find_floor(sweep, strip.x, line, at)
+        for k in range(BLOCK):
+            j = at + np.uint64(k)
+            low, high, deep = lows[begin + j], highs[begin + j], floor[j]
+            filled = high > low
+            hit = filled & (deep < high) & (high > sweep.lowest)
+            tall = filled & (high > sweep.cylinder) & (j >= first) & (j < last)
+            odd = hit & ((high > sweep.top) | (deep <= low))
+            marks[k] |= (SOME if hit else 0) | (ODD if odd else 0) | (TALL if tall else 0)
+            floor[j] = deep if hit else NONE
+    return all_of(marks)
+
+
+@kernel(lean=True, inlined=True)
+def lower(
+    highs: Array, row: int, strip: Strip, blocks: ColumnBlocks, walls: Beside, line: FloorLine, ends: Ends, marks: Ints
+) -> int:
+    """Lower columns highs[row:] to the floors that `meet` has found; returns their marks."""
+    floor, gone = line.floor, line.gone
+    begin, before = np.uint64(row), np.float64(strip.i)
+    clear(marks)
+    for block in range(blocks.number):
+        fresh = blocks.begin + block * BLOCK  # the last block may begin earlier, with columns that are done
+        at = min(fresh, blocks.last)
+        for k in range(BLOCK):
+            j = np.uint64(at) + np.uint64(k)
+            high, new = highs[begin + j], at + k >= fresh
+            hit = (floor[j] < NONE) & new
+            taken = high - floor[j] if hit else 0.0
+            gone[j] = taken if new else gone[j]
+            highs[begin + j] = floor[j] if hit else high
+            begun = ends.first[j] >= 0.0
+            ends.first_gone[j] = ends.first_gone[j] if begun else taken
+            ends.first[j] = before if hit & (not begun) else ends.first[j]
+            ends.last[j] = before if hit else ends.last[j]
+            ends.last_gone[j] = taken if hit else ends.last_gone[j]
+            walled = (walls.below_x[j] < 0.0) | (walls.above_x[j] > 0.0)
+            walled |= (walls.below_y[j] < 0.0) | (walls.above_y[j] > 0.0)
+            marks[k] |= WALLED if walled & hit else 0
+    return all_of(marks)
+
+
+@kernel(lean=True, inlined=True)
+def blocks_of(strip: Strip, ny: int) -> ColumnBlocks:
+    """The blocks of a strip in a row of at least BLOCK columns."""
+    number = (strip.last - strip.first + BLOCK - 1) // BLOCK
+    return ColumnBlocks(max(min(strip.first, ny - number * BLOCK), 0), number, ny - BLOCK)
+
+
+@kernel(lean=True, inlined=True)
+def cut_column(columns: Columns, i: int, j: int, bottom: float, top: float) -> float:
+    """The same as `subtract`, quicker where the highest interval is lowered, as nearly always."""
+    lo, hi, count = columns
+    n = count[i, j]
+    low, end = lo[i, j, 0], hi[i, j, n - 1]
+    if n > 1 or end > top:
+        return subtract(columns, i, j, bottom, top)
+    if bottom > low:
+        hi[i, j, 0] = bottom
+        return float(end - bottom)
+    count[i, j] = 0
+    hi[i, j, 0] = low  # an empty column ends where it begins
+    return float(end - low)
+
+
+@kernel(lean=True, inlined=True)
+def interval_over(sweep: Sweep, strip: Strip, y: float, end: float) -> tuple[float, float]:
+    """What is swept over a column that ends at `end` [m], (1, 0) if that is above it; y from where the piece begins."""
+    shape, piece = sweep.shape, sweep.piece
+    along, across = strip.x * piece.ux + y * piece.uy, y * piece.ux - strip.x * piece.uy
+    c2 = across * across
+    if end < sweep.cylinder:
+        # no deeper than the underside of the shape at the nearest point, at the piece's lowest tip
+        near = min(max(0.0, -along), piece.length - along)
+        rho2 = c2 + near * near
+        if rho2 > shape.radius * shape.radius or sweep.lowest + underside(shape, np.sqrt(rho2)) >= end:
+            return 1.0, 0.0
+    bottom, top = swept_interval(shape, piece, c2, along, sweep.low_tip, sweep.high_tip)
+    return (bottom, top) if bottom <= top and bottom < end else (1.0, 0.0)
 
 
 @kernel(lean=True)
-def any_tall(columns: Columns, i: int, first: int, last: int, height: float) -> bool:
-    """The same for columns first..last of row i, whatever they contain."""
+def cut_columns(field: Field, sweep: Sweep, strip: Strip, line: FloorLine, ends: Ends, known: bool) -> bool:
+    """Cut the columns of a strip one by one; whether there was room. Known: `meet` has found their floors."""
+    columns, i = field.columns, strip.i
+    _, hi, count = columns
+    line.gone[strip.first : strip.last] = 0.0
+    for j in range(strip.first, strip.last):
+        n = count[i, j]
+        end = hi[i, j, max(n - 1, 0)]
+        if n == 0 or end <= sweep.lowest or (known and line.floor[j] == NONE):
+            continue
+        if known and end <= sweep.top:
+            bottom, top = line.floor[j], sweep.top
+        else:
+            bottom, top = interval_over(sweep, strip, line.ys[j] - sweep.piece.y, end)
+        gone = cut_column(columns, i, j, bottom, top) if bottom <= top else 0.0
+        if gone < 0.0:
+            return False
+        if gone > 0.0:
+            line.gone[j] = gone
+            if ends.first[j] < 0.0:
+                ends.first[j], ends.first_gone[j] = i, gone
+            ends.last[j], ends.last_gone[j] = i, gone
+    return True
+
+
+@kernel(lean=True, inlined=True)
+def settle_strip(field: Field, strip: Strip, walled: bool, spare: Scratch, total: float) -> float:
+    """What follows for the columns of a strip being cut; `total` [m] with what is gone of them."""
+    i, _, first, last = strip
+    gone, ends = spare.line.gone, spare.cut.y
+    while first < last and gone[first] == 0.0:
+        first += 1
+    while first < last and gone[last - 1] == 0.0:
+        last -= 1
+    if first == last:
+        return total
+    for j in range(first, last):
+        total += gone[j] + shorten_walls(field.walls, i, j, gone[j]) if walled and gone[j] > 0.0 else gone[j]
+    ends.first[i], ends.first_gone[i] = first, gone[first]
+    ends.last[i], ends.last_gone[i] = last - 1, gone[last - 1]
+    for patch in range(first >> PATCH_SHIFT, ((last - 1) >> PATCH_SHIFT) + 1):
+        if field.dirty[i >> PATCH_SHIFT, patch] == 0:
+            for j in range(max(first, patch << PATCH_SHIFT), min(last, (patch + 1) << PATCH_SHIFT)):
+                if gone[j] > 0.0:
+                    field.dirty[i >> PATCH_SHIFT, patch] = 1
+    return total
+
+
+@kernel(lean=True, inlined=True)
+def stands_tall(columns: Columns, strip: Strip, height: float) -> bool:
+    """Whether any column of a strip ends above `height` [m]."""
     _, hi, count = columns
     tall = False
-    for j in range(first, last):
-        tall |= count[i, j] > 0 and hi[i, j, count[i, j] - 1] > height
+    for j in range(strip.first, strip.last):
+        tall |= count[strip.i, j] > 0 and hi[strip.i, j, count[strip.i, j] - 1] > height
     return tall
 
 
 @kernel(lean=True)
-def floor_of_disc(
-    low: Array, high: Array, x: float, y: Array, piece: Piece, radius2: float, bottom: float, floor: Array
-) -> bool:
-    """Fill `floor` (n,): `bottom` [m] for columns of a row that a disc sweeps over and that end above it, else NONE.
-
-    Returns whether there is any. Columns stand at x, y (n,) from the start of the piece and reach from low to high
-    (n,) [m].
-    """
-    ux, uy, length = piece.ux, piece.uy, piece.length
-    found = np.uint8(0)
-    for j in range(low.shape[0]):
-        along = x * ux + y[j] * uy
-        across = y[j] * ux - x * uy
-        near = min(max(0.0, -along), length - along)
-        hit = np.uint8(across * across + near * near <= radius2) & np.uint8(high[j] > bottom)
-        hit &= np.uint8(high[j] > low[j])
-        floor[j] = bottom if hit else NONE
-        found |= hit
-    return bool(found > 0)
-
-
-@kernel(lean=True)
-def floor_of_ball(
-    low: Array, high: Array, x: float, y: Array, piece: Piece, radius2: float, middle: float, floor: Array
-) -> bool:
-    """The same for a ball, with the floor of its sweep; middle: its height at the start of the piece [m]."""
-    ux, uy, length, slope = piece.ux, piece.uy, piece.length, piece.slope
-    lean = slope / np.sqrt(1.0 + slope * slope)
-    found = np.uint8(0)
-    for j in range(low.shape[0]):
-        along = x * ux + y[j] * uy
-        across = y[j] * ux - x * uy
-        room2 = radius2 - across * across
-        u = min(max(-lean * np.sqrt(max(room2, 0.0)), -along), length - along)
-        depth2 = room2 - u * u
-        deep = middle + slope * (along + u) - np.sqrt(max(depth2, 0.0))
-        hit = np.uint8(depth2 >= 0.0) & np.uint8(deep < high[j]) & np.uint8(high[j] > low[j])
-        floor[j] = deep if hit else NONE
-        found |= hit
-    return bool(found > 0)
-
-
-@kernel
-def scratch(field: Field) -> Array:
-    """Room (10, n) for what `remove_piece` notes of lines of columns: y, floor, and twice what was cut of them."""
-    nx, ny = field.columns.number.shape
-    return np.empty((10, max(nx, ny)))
-
-
-@kernel(lean=True)
-def remove_piece(field: Field, start: Array, end: Array, shape: Shape, spare: Array) -> tuple[float, bool]:
+def remove_piece(field: Field, start: Array, end: Array, shape: Shape, spare: Scratch) -> tuple[float, bool]:
     """Remove what `shape` sweeps from tip `start` to `end` (3,) [m]; (volume [m^3], ok). spare: `scratch`.
 
     The volume counts walls where they are, not where the grid shows them (see wall_kernels); it is never negative.
     ok is False when a column had no room for one more interval: what was done stays done, and doing the piece
     again after growing the arrays removes the rest.
     """
-    columns, grid, walls, dirty, _ = field
-    lo, hi, count = columns
-    nx, ny = count.shape
-    piece = piece_of(start, end)
-    x0, y0, _, ux, uy, length, slope = piece
-    low_z, high_z = min(start[2], end[2]), max(start[2], end[2])
-    radius = shape.radius
-    radius2 = radius * radius
-    bottom_least = low_z + shape.bottom
-    ball = shape.kind == BALL
-    profile = underside(shape, radius)
-    middle = (start[2] if slope != 0.0 else low_z) + shape.bottom + radius
-    single = lo.shape[2] == 1  # nearly always
-    total, tall, tall_from, top_least = 0.0, False, bottom_least + profile, low_z + shape.top
-    first_i, last_i = columns_across_x(grid, nx, min(x0, x0 + ux * length) - radius, max(x0, x0 + ux * length) + radius)
-    least, most = min(y0, y0 + uy * length) - radius, max(y0, y0 + uy * length) + radius
-    first_j, last_j = columns_across_y(grid, ny, least, most)
+    columns, grid, walls, _, _ = field
+    nx, ny = columns.number.shape
+    piece, radius = piece_of(start, end), shape.radius
+    low_tip, high_tip = min(start[2], end[2]), max(start[2], end[2])
+    sweep = sweep_of(shape, piece, low_tip, high_tip)
+    x0, y0, x1, y1 = piece.x, piece.y, piece.x + piece.ux * piece.length, piece.y + piece.uy * piece.length
+    first_i, last_i = columns_across_x(grid, nx, min(x0, x1) - radius, max(x0, x1) + radius)
+    first_j, last_j = columns_across_y(grid, ny, min(y0, y1) - radius, max(y0, y1) + radius)
     if first_i >= last_i or first_j >= last_j:
         return 0.0, True
-    ys, floor, cut_x, cut_y = spare[0], spare[1], spare[2:6], spare[6:10]
-    lows, highs = lo.reshape(lo.size), hi.reshape(hi.size)
-    for j in range(first_j, last_j):
-        ys[j - first_j] = y_of(grid, j) - y0
-        cut_x[FIRST, j], cut_x[LAST, j] = -1.0, -1.0
-    begin_j = first_j
+    forget(spare.cut.x, first_j, last_j)
+    forget(spare.cut.y, first_i, last_i)
+    lows, highs = columns.lo.reshape(columns.lo.size), columns.hi.reshape(columns.hi.size)
+    known = columns.lo.shape[2] == 1 and ny >= BLOCK  # nearly always
+    total, tall = 0.0, False
+    find_strips(grid, columns.number.shape, sweep, first_i, last_i, spare.first, spare.last)
     for i in range(first_i, last_i):
-        cut_y[FIRST, i], cut_y[LAST, i] = -1.0, -1.0
-        x = x_of(grid, i)
-        least, most = strip_range(x, radius, piece)
-        if least > most:
-            if not tall:  # a wall in the row beside the tool, which the tool may move by less than a cell
-                least, most = strip_range(x, radius + grid.dx, piece)
+        strip = Strip(i, x_of(grid, i) - x0, int(spare.first[i]), int(spare.last[i]))
+        if strip.first >= strip.last:
+            if strip.first < 0 and not tall:  # a wall in the row beside the tool, which the tool may move a little
+                least, most = strip_range(x_of(grid, i), radius + grid.dx, piece)
                 if least <= most:
-                    first_j, last_j = columns_across_y(grid, ny, least, most)
-                    tall = any_tall(columns, i, first_j, last_j, tall_from)
+                    first, last = columns_across_y(grid, ny, least, most)
+                    tall = stands_tall(columns, Strip(i, 0.0, first, last), sweep.cylinder)
             continue
-        first_j, last_j = columns_across_y(grid, ny, least, most)
-        if first_j >= last_j:
-            continue
-        if single:  # the loops in these have no branches, so that several columns are processed at a time
-            low, high = lows[i * ny + first_j : i * ny + last_j], highs[i * ny + first_j : i * ny + last_j]
-            tall = tall or mark_tall(low, high, tall_from)
-            y = ys[first_j - begin_j : last_j - begin_j]
-            if ball:
-                found = floor_of_ball(low, high, x - x0, y, piece, radius2, middle, floor)
-            else:
-                found = floor_of_disc(low, high, x - x0, y, piece, radius2, bottom_least, floor)
-            if not found:
+        marks = ODD
+        if known:
+            blocks = blocks_of(strip, ny)
+            marks = meet(lows, highs, i * ny, sweep, strip, blocks, spare.line, spare.marks)
+            tall = tall or marks & TALL > 0
+            if marks & SOME == 0:
                 continue
-        last_cut, last_gone = -1, 0.0
-        for j in range(first_j, last_j):
-            if single and floor[j - first_j] == NONE:
-                continue
-            n = count[i, j]
-            if n == 0:
-                continue
-            end = hi[i, j, n - 1]
-            if end <= bottom_least:
-                continue
-            if single and ball and end <= top_least:
-                bottom, top = floor[j - first_j], top_least
-            else:
-                tall = tall or end > tall_from
-                along = (x - x0) * ux + ys[j - begin_j] * uy
-                across = ys[j - begin_j] * ux - (x - x0) * uy
-                c2 = across * across
-                if end < tall_from:
-                    # no deeper than the underside of the shape at the nearest point, at the piece's lowest tip
-                    near = min(max(0.0, -along), length - along)
-                    rho2 = c2 + near * near
-                    if rho2 > radius2 or bottom_least + underside(shape, np.sqrt(rho2)) >= end:
-                        continue
-                bottom, top = swept_interval(shape, piece, c2, along, low_z, high_z)
-                if bottom > top or bottom >= end:
-                    continue
-            if n == 1 and end <= top:
-                low = lo[i, j, 0]
-                if bottom > low:
-                    hi[i, j, 0] = bottom
-                    gone = end - bottom
-                else:
-                    count[i, j] = 0
-                    hi[i, j, 0] = low  # an empty column ends where it begins
-                    gone = end - low
-            else:
-                gone = subtract(columns, i, j, bottom, top)
-                if gone < 0.0:
-                    return total * grid.dx * grid.dy, False
-                if gone == 0.0:
-                    continue
-            total += gone + shorten_walls(walls, i, j, gone)
-            if cut_x[FIRST, j] < 0.0:
-                cut_x[FIRST, j], cut_x[FIRST_GONE, j] = i, gone
-            cut_x[LAST, j], cut_x[LAST_GONE, j] = i, gone
-            if last_cut < 0:
-                cut_y[FIRST, i], cut_y[FIRST_GONE, i] = j, gone
-            last_cut, last_gone = j, gone
-            dirty[i >> PATCH_SHIFT, j >> PATCH_SHIFT] = 1
-        if last_cut >= 0:
-            cut_y[LAST, i], cut_y[LAST_GONE, i] = last_cut, last_gone
+        else:
+            tall = tall or stands_tall(columns, strip, sweep.cylinder)
+        if marks & ODD > 0:
+            marks, ok = WALLED, cut_columns(field, sweep, strip, spare.line, spare.cut.x, known)
+        else:
+            beside = Beside(walls[0, i], walls[0, i + 1], walls[1, i], walls[1, i, 1:])
+            marks, ok = lower(highs, i * ny, strip, blocks, beside, spare.line, spare.cut.x, spare.marks), True
+        total = settle_strip(field, strip, marks & WALLED > 0, spare, total)
+        if not ok:
+            return total * grid.dx * grid.dy, False
     # a tool that goes down leaves walls beside itself although no column under it is tall any more
-    if tall or (total > 0.0 and high_z - low_z > length):
-        total += reckon_walls(field, piece, radius, low_z, shape.bottom + profile, Cut(cut_x, cut_y), spare[0:2])
+    if tall or (total > 0.0 and high_tip - low_tip > piece.length):
+        total += reckon_walls(field, sweep, spare.cut, spare.line)
     return total * grid.dx * grid.dy, True
 
 

@@ -16,8 +16,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from gcodesim.arithmetic.atan_kernels import asin, atan
-from gcodesim.arithmetic.sin_kernels import cos, sin
 from gcodesim.compiled import kernel
 from gcodesim.material.field_kernels import Grid
 
@@ -27,6 +25,9 @@ Array = NDArray[np.float64]
 # through centres then owns them on one side only, whatever rounding does, as if walls were half open.
 NUDGE_X = 1.0e-7
 NUDGE_Y = 0.63e-7
+
+TURNS = 24  # steps of Newton at most
+CLOSE = 1.0e-9  # step of a sine after which the next one is none; heights change by its square
 
 CYLINDER, BALL, BULL_NOSE, CONE = 0.0, 1.0, 2.0, 3.0  # kinds of shapes
 
@@ -86,38 +87,41 @@ def underside(shape: Shape, rho: float) -> float:
     return corner - float(np.sqrt(max(corner * corner - beyond * beyond, 0.0)))
 
 
-@kernel(lean=True)
-def bull_nose_reach(flat: float, corner: float, c: float, slope: float) -> float:
-    """Distance |u| [m] at which a corner of radius `corner` around a flat of radius `flat` is lowest over a column.
+@kernel(lean=True, inlined=True)
+def first_sine(flat: float, corner: float, c2: float, slope: float) -> float:
+    """Where to begin with `next_sine`: sin(t) if rho were the least that it can be, which is never too little."""
+    tilt = 1.0 + slope * slope
+    least = flat + corner * abs(slope) / np.sqrt(tilt)
+    rho2 = max(least * least, c2)
+    return float(min(abs(slope) * np.sqrt(rho2 / (tilt * rho2 - c2)), 1.0))
 
-    Solves b'(rho) u / rho = slope for rho = flat + corner sin(t); written as
-    sin(t) u - slope rho cos(t) = 0 it has no poles. Newton inside a shrinking bracket.
+
+@kernel(lean=True, inlined=True)
+def next_sine(flat: float, corner: float, c2: float, slope: float, sine: float) -> float:
+    """A step of Newton towards the place on a corner around a flat that is lowest over a column.
+
+    With rho = flat + corner sin(t) the condition b'(rho) u / rho = slope is, squared,
+    sin^2(t) ((1 + slope^2) rho^2 - c^2) = slope^2 rho^2. From its root on to sin(t) = 1 the difference of both sides
+    is convex, so that steps that begin above the root come down to it and never pass it.
     """
-    least = 0.0
-    if c > flat:
-        least = asin(min((c - flat) / corner, 1.0))
-    low, high = least, 0.5 * np.pi
-    t = min(max(atan(slope), low), high)
-    u = 0.0
-    for _ in range(40):
-        sine, cosine = sin(t), cos(t)
-        rho = flat + corner * sine
-        u = np.sqrt(max(rho * rho - c * c, 0.0))
-        value = sine * u - slope * rho * cosine
-        if value > 0.0:
-            high = t
-        else:
-            low = t
-        gain = cosine * u + slope * (rho * sine - corner * cosine * cosine)
-        if u > 0.0:
-            gain += sine * rho * corner * cosine / u
-        following = t - value / gain if gain > 0.0 else low - 1.0
-        if not (low < following < high):
-            following = 0.5 * (low + high)
-        if abs(following - t) < 1.0e-10:
+    rho, square = flat + corner * sine, slope * slope
+    tilt = 1.0 + square
+    inner = tilt * rho * rho - c2
+    value = sine * sine * inner - square * rho * rho
+    gain = 2.0 * (sine * inner + corner * rho * (tilt * sine * sine - square))
+    return sine - value / gain
+
+
+@kernel(lean=True)
+def bull_nose_reach(flat: float, corner: float, c2: float, slope: float) -> float:
+    """Distance |u| [m] at which a corner of radius `corner` around a flat of radius `flat` is lowest over a column."""
+    sine = first_sine(flat, corner, c2, slope)
+    for _ in range(TURNS):
+        earlier, sine = sine, next_sine(flat, corner, c2, slope, sine)
+        if earlier - sine <= CLOSE:
             break
-        t = following
-    return u
+    rho = flat + corner * sine
+    return float(np.sqrt(max(rho * rho - c2, 0.0)))
 
 
 @kernel(lean=True)
@@ -144,7 +148,7 @@ def lowest_at(shape: Shape, c2: float, slope: float, first: float, last: float) 
             return first
         if not rises_at(shape.flat, shape.corner, c2, slope, last):
             return last
-        reach = bull_nose_reach(shape.flat, shape.corner, np.sqrt(c2), steep)
+        reach = bull_nose_reach(shape.flat, shape.corner, c2, slope)
     elif shape.kind == CONE:
         reach = np.sqrt(max(shape.flat * shape.flat - c2, 0.0))
         if shape.rise > steep:

@@ -28,8 +28,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.compiled import kernel
-from gcodesim.material.field_kernels import Columns, Field
-from gcodesim.material.sweep_kernels import NUDGE_X, NUDGE_Y, Piece, row_range
+from gcodesim.material.field_kernels import Columns, Field, Grid, coarsest
+from gcodesim.material.floor_kernels import BLOCK, FloorLine, Sweep
+from gcodesim.material.sweep_kernels import NUDGE_X, NUDGE_Y, row_range, underside
 
 Array = NDArray[np.float64]
 Singles = NDArray[np.float32]
@@ -42,17 +43,36 @@ SAME_HEIGHT = 1.0e-8  # heights [m] closer than this are the same: rounding of s
 # planes of `walls`, each for borders in x and, one further on, in y
 PLACE, HEIGHT, SECOND, LOWER = 0, 2, 4, 6
 
-FIRST, FIRST_GONE, LAST, LAST_GONE = 0, 1, 2, 3  # rows of `Cut`
+
+class Ends(NamedTuple):
+    """Which columns of lines (n,) a piece has cut first and last, -1 where none, and by how much each was cut [m]."""
+
+    first: Array
+    first_gone: Array
+    last: Array
+    last_gone: Array
 
 
 class Cut(NamedTuple):
-    """Which columns a piece has cut: of each line along x (4, ny), and along y (4, nx), the first and the last one.
+    """Ends of what a piece has cut of lines along x, and along y."""
 
-    -1 where there is none; after each index comes by how much [m] that column was cut.
-    """
+    x: Ends
+    y: Ends
 
-    x: Array
-    y: Array
+
+@kernel(lean=True)
+def forget(ends: Ends, first: int, last: int) -> None:
+    """Of lines first..last nothing is cut yet."""
+    for line in range(first, last):
+        ends.first[line], ends.last[line] = -1.0, -1.0
+
+
+@kernel(lean=True, inlined=True)
+def fresh_cut(ends: Ends, line: int, side: int, column: int) -> float:
+    """By how much a column was cut [m] that is the first of its line (side 1), or the last; 0 if it is not."""
+    if side == 1:
+        return ends.first_gone[line] if ends.first[line] == column else 0.0
+    return ends.last_gone[line] if ends.last[line] == column else 0.0
 
 
 @kernel(lean=True)
@@ -187,28 +207,89 @@ def place_on_rim(side: int, offset: float, uf: float, um: float, length: float, 
     return min(max((offset + radius * um * (side if uf > 0.0 else -side)) / uf, 0.0), length)
 
 
-@kernel(lean=True)
-def find_rims(
-    side: int, offset: float, spacing: float, uf: float, um: float, length: float, radius: float, begin: float,
-    step: float, rims: Array,
-) -> None:  # fmt: skip
-    """Rim of a swept disc on n lines `spacing` apart, in cells [`step` m] from where the piece is at `begin` [m].
+class CrossedRows(NamedTuple):
+    """CrossedRows of columns that cross a piece: along x (axis 0) or along y, those from `first` to `last` - 1 of all.
 
-    The first line is at `offset`, the rest as in `place_on_rim`. If a line is never reached, it is on the wrong side.
+    The first is at `offset` [m] from the start of the piece, where `begin` [m] along the rows is; (uf, um) is the
+    direction of the piece across the rows and along them; columns are `step` [m] apart, `nudge` [cells] off the middle.
     """
+
+    axis: int
+    first: int
+    last: int
+    offset: float
+    spacing: float
+    uf: float
+    um: float
+    begin: float
+    step: float
+    nudge: float
+    columns: int
+
+
+@kernel(lean=True, inlined=True)
+def rows_across(grid: Grid, shape: tuple[int, int], sweep: Sweep, axis: int) -> CrossedRows:
+    """The rows along one axis that a sweep may cross."""
+    (nx, ny), (x, y, dx, dy), (x0, y0, _, ux, uy, length, _) = shape, grid, sweep.piece
+    if axis == 0:
+        crossing, uf, um, lines, columns = y0, uy, ux, ny, nx
+        line_origin, spacing, line_nudge, begin, step, nudge = y, dy, NUDGE_Y, x0 - x, dx, NUDGE_X
+    else:
+        crossing, uf, um, lines, columns = x0, ux, uy, nx, ny
+        line_origin, spacing, line_nudge, begin, step, nudge = x, dx, NUDGE_X, y0 - y, dy, NUDGE_Y
+    least = min(crossing, crossing + uf * length) - sweep.shape.radius
+    most = max(crossing, crossing + uf * length) + sweep.shape.radius
+    first, last = row_range(line_origin, spacing, line_nudge, lines, least, most)
+    offset = line_origin + (first + 0.5 + line_nudge) * spacing - crossing
+    return CrossedRows(axis, first, last, offset, spacing, uf, um, begin, step, nudge, columns)
+
+
+@kernel(lean=True, inlined=True)
+def find_rims(side: int, rows: CrossedRows, length: float, radius: float, rims: Array) -> None:
+    """Rim of a swept disc in each row (n,) [cells], as in `place_on_rim`.
+
+    A row that is never reached has it on the wrong side.
+    """
+    uf, um, offset, spacing, begin = rows.uf, rows.um, rows.offset, rows.spacing, rows.begin
     slowness, shift = 0.0, length if side * um > 0.0 else 0.0
     if uf != 0.0:
         slowness = 1.0 / uf
         shift = radius * um * (side if uf > 0.0 else -side) * slowness
-    per_cell = 1.0 / step
+    per_cell = 1.0 / rows.step
     radius2, never = radius * radius, -NEVER * side
-    for k in range(rims.shape[0]):  # without branches, so that several lines are processed at a time
-        across = offset + k * spacing
-        s = min(max(across * slowness + shift, 0.0), length)
-        miss = across - uf * s
-        half2 = radius2 - miss * miss
-        rim = (begin + um * s + side * np.sqrt(max(half2, 0.0))) * per_cell
-        rims[k] = rim if half2 >= 0.0 else never
+    for block in range(0, rows.last - rows.first, BLOCK):
+        for k in range(BLOCK):  # without branches, so that several rows are processed at a time
+            across = offset + (block + k) * spacing
+            s = min(max(across * slowness + shift, 0.0), length)
+            miss = across - uf * s
+            half2 = radius2 - miss * miss
+            rim = (begin + um * s + side * np.sqrt(max(half2, 0.0))) * per_cell
+            rims[np.uint64(block) + np.uint64(k)] = rim if half2 >= 0.0 else never
+
+
+@kernel(lean=True, inlined=True)
+def mark_walls(
+    highs: Array, rows: CrossedRows, stride: int, low: float, lower: Array, upper: Array, marks: Array
+) -> None:
+    """Mark rows (n,) with a column beside a rim that ends above `low` [m]: +1 below the lower one, +2 above the upper.
+
+    Columns have one interval each, all of them in one array; `stride`: from one row along x to the next.
+    """
+    across, along = (1, stride) if rows.axis == 0 else (stride, 1)
+    most, last_row, beside = np.float64(rows.columns - 1), np.float64(rows.last - 1), 0.5 + rows.nudge
+    for block in range(0, rows.last - rows.first, BLOCK):
+        for k in range(BLOCK):
+            row = np.uint64(min(np.float64(rows.first + block + k), last_row))
+            inner = np.ceil(lower[np.uint64(block) + np.uint64(k)] - beside)
+            outer = np.floor(upper[np.uint64(block) + np.uint64(k)] - beside) + 1.0
+            cut = np.uint8(inner < outer)
+            below = cut & np.uint8(inner > 0.0) & np.uint8(inner <= most)
+            above = cut & np.uint8(outer > 0.0) & np.uint8(outer <= most)
+            at_below = np.uint64(min(max(inner - 1.0, 0.0), most)) * np.uint64(along)
+            at_above = np.uint64(min(max(outer, 0.0), most)) * np.uint64(along)
+            below &= np.uint8(highs[at_below + row * np.uint64(across)] > low)
+            above &= np.uint8(highs[at_above + row * np.uint64(across)] > low)
+            marks[np.uint64(block) + np.uint64(k)] = (1.0 if below else 0.0) + (2.0 if above else 0.0)
 
 
 @kernel(lean=True)
@@ -295,69 +376,59 @@ def material_above(columns: Columns, i: int, j: int, bottom: float) -> float:
     return total
 
 
-@kernel(lean=True)
-def reckon_walls(
-    field: Field, piece: Piece, radius: float, low_z: float, bottom: float, cut: Cut, rims: Array
-) -> float:
-    """Compute the walls that an upright tool has left along a piece; returns the gain over the walls before [m].
+@kernel(lean=True, inlined=True)
+def reckon_wall(
+    field: Field, sweep: Sweep, rows: CrossedRows, row: int, side: int, border: int, rim: float, cut: Cut
+) -> float:  # fmt: skip
+    """Compute the wall that a rim has left at a border of a row; the gain over the one before [m].
 
-    low_z: the lowest tip of the piece; bottom: the height over the tip [m] from which on the tool is a cylinder of
-    `radius`; rims (2, n): scratch.
+    `side` 1: the lower rim leaves the column below the border standing, -1: the upper one the column above it.
     """
-    columns, grid, walls, _, _ = field
-    _, hi, count = columns
-    nx, ny = count.shape
-    x0, y0, z0, ux, uy, length, slope = piece
-    dip = abs(slope) * np.sqrt(2.0 * radius * max(grid.dx, grid.dy))
+    _, _, z0, _, _, length, slope = sweep.piece
+    radius, profile = sweep.shape.radius, sweep.shape.bottom + underside(sweep.shape, sweep.shape.radius)
+    _, hi, count = field.columns
+    standing, gone = (border - 1, border) if side == 1 else (border, border - 1)
+    low, dip = sweep.low_tip + profile, 0.0
+    if slope != 0.0:
+        across = rows.offset + (row - rows.first) * rows.spacing
+        low = z0 + slope * place_on_rim(-side, across, rows.uf, rows.um, length, radius) + profile
+        dip = abs(slope) * np.sqrt(2.0 * radius * coarsest(field))
+    i, j = (standing, row) if rows.axis == 0 else (row, standing)
+    n = count[i, j]
+    if n == 0 or hi[i, j, n - 1] <= low:
+        return 0.0
+    gi, gj = (gone, row) if rows.axis == 0 else (row, gone)
+    height = material_above(field.columns, i, j, low) - material_above(field.columns, gi, gj, low)
+    if height <= 0.0:
+        return 0.0
+    beyond = min(max(border - rim if side == 1 else rim - border, -0.5), 0.5)
+    fresh = fresh_cut(cut.x if rows.axis == 0 else cut.y, row, side, gone)
+    bi, bj = (border, row) if rows.axis == 0 else (row, border)
+    return advance_wall(field.walls, rows.axis, bi, bj, side, beyond, height, fresh, dip)
+
+
+@kernel(lean=True)
+def reckon_walls(field: Field, sweep: Sweep, cut: Cut, spare: FloorLine) -> float:
+    """Compute the walls that an upright tool has left along a piece; returns the gain over the walls before [m]."""
+    lo, hi, count = field.columns
+    lower, upper, marks = spare.floor, spare.gone, spare.squares
     gain = 0.0
     for axis in range(2):
-        if axis == 0:  # rows along x, one for each j
-            crossing, uf, um, lines, cells = y0, uy, ux, ny, nx
-            line_origin, line_step, line_nudge = grid.y, grid.dy, NUDGE_Y
-            origin, step, nudge, begin = grid.x, grid.dx, NUDGE_X, x0
-        else:
-            crossing, uf, um, lines, cells = x0, ux, uy, nx, ny
-            line_origin, line_step, line_nudge = grid.x, grid.dx, NUDGE_X
-            origin, step, nudge, begin = grid.y, grid.dy, NUDGE_Y, y0
-        least = min(crossing, crossing + uf * length) - radius
-        most = max(crossing, crossing + uf * length) + radius
-        first, last = row_range(line_origin, line_step, line_nudge, lines, least, most)
-        if first >= last:
-            continue
-        offset = line_origin + (first + 0.5 + line_nudge) * line_step - crossing
-        lower, upper = rims[0, : last - first], rims[1, : last - first]
-        find_rims(-1, offset, line_step, uf, um, length, radius, begin - origin, step, lower)
-        find_rims(1, offset, line_step, uf, um, length, radius, begin - origin, step, upper)
-        for line in range(first, last):
-            below, above = float(lower[line - first]), float(upper[line - first])
-            inner = int(np.ceil(below - 0.5 - nudge))  # the first column of the cut
-            outer = int(np.floor(above - 0.5 - nudge)) + 1  # the first one after it
+        rows = rows_across(field.grid, count.shape, sweep, axis)
+        find_rims(-1, rows, sweep.piece.length, sweep.shape.radius, lower)
+        find_rims(1, rows, sweep.piece.length, sweep.shape.radius, upper)
+        if lo.shape[2] == 1:
+            mark_walls(hi.reshape(hi.size), rows, count.shape[1], sweep.cylinder - SAME_HEIGHT, lower, upper, marks)
+        for row in range(rows.first, rows.last):
+            k = row - rows.first
+            if lo.shape[2] == 1 and marks[k] == 0.0:  # nearly always
+                continue
+            inner = int(np.ceil(lower[k] - 0.5 - rows.nudge))  # the first column of the cut
+            outer = int(np.floor(upper[k] - 0.5 - rows.nudge)) + 1  # the first one after it
             if inner >= outer:
                 continue
-            for side in (1, -1):
-                # the lower rim leaves the column below the border standing, the upper one the column above
-                border = inner if side == 1 else outer
-                if not (0 < border < cells):
-                    continue
-                standing, gone = (border - 1, border) if side == 1 else (border, border - 1)
-                low = low_z + bottom
-                if slope != 0.0:
-                    across = offset + (line - first) * line_step
-                    low = z0 + slope * place_on_rim(-side, across, uf, um, length, radius) + bottom
-                i, j = (standing, line) if axis == 0 else (line, standing)
-                n = count[i, j]
-                if n == 0 or hi[i, j, n - 1] <= low:
-                    continue
-                gi, gj = (gone, line) if axis == 0 else (line, gone)
-                height = material_above(columns, i, j, low) - material_above(columns, gi, gj, low)
-                if height <= 0.0:
-                    continue
-                beyond = min(max(border - below if side == 1 else above - border, -0.5), 0.5)
-                row = FIRST if side == 1 else LAST
-                if axis == 0:
-                    fresh = cut.x[row + 1, line] if cut.x[row, line] == gone else 0.0
-                else:
-                    fresh = cut.y[row + 1, line] if cut.y[row, line] == gone else 0.0
-                bi, bj = (border, line) if axis == 0 else (line, border)
-                gain += advance_wall(walls, axis, bi, bj, side, beyond, height, fresh, dip)
+            if 0 < inner < rows.columns:
+                gain += reckon_wall(field, sweep, rows, row, 1, inner, lower[k], cut)
+            if 0 < outer < rows.columns:
+                gain += reckon_wall(field, sweep, rows, row, -1, outer, upper[k], cut)
     return float(gain)

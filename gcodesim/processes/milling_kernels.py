@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from gcodesim.compiled import kernel
 from gcodesim.material.kernels import (
     Field,
+    Scratch,
     Shape,
     coarsest,
     patch_at,
@@ -375,7 +376,7 @@ def find_way(motion: Motion, k: int, state: State, way: Way) -> bool:
 
 
 @kernel(lean=True, inlined=True)
-def remove_cutter(field: Field, start: Array, end: Array, tool: MillingTool, spare: Array) -> tuple[float, bool]:
+def remove_cutter(field: Field, start: Array, end: Array, tool: MillingTool, spare: Scratch) -> tuple[float, bool]:
     """Remove what the cutting part sweeps from `start` to `end`; see `remove_piece`."""
     if tool.slabs.shape[0] > 0:
         return remove_form(field, start, end, tool.slabs)
@@ -540,7 +541,7 @@ def feel(
 
 @kernel(lean=True, inlined=True)
 def cut(
-    field: Field, tool: MillingTool, motion: Motion, k: int, first: int, way: Way, top: float, spare: Array,
+    field: Field, tool: MillingTool, motion: Motion, k: int, first: int, way: Way, top: float, spare: Scratch,
     state: State, out: Array,
 ) -> bool:  # fmt: skip
     """Remove along the displaced pieces of step k, from `first` on; False when a column had no room."""
@@ -606,7 +607,7 @@ def mill(field: Field, tool: MillingTool, motion: Motion, room: Room, values: Ar
 
 @kernel(lean=True)
 def mill_steps(
-    field: Field, tool: MillingTool, motion: Motion, bench: Bench, way: Way, spare: Array, state: State, out: Array
+    field: Field, tool: MillingTool, motion: Motion, bench: Bench, way: Way, spare: Scratch, state: State, out: Array
 ) -> int:
     """The loop of `mill`, which has made all arrays, so that none is counted in each step."""
     n = len(motion.spindle)
