@@ -51,7 +51,7 @@ class Sweep(NamedTuple):
 class FloorLine(NamedTuple):
     """A row of n columns, each (n,): where they stand along y [m], the floor that is found, by how much they are cut,
 
-    and room for a search: square of the distance from the line of the piece, and a sine.
+    and room for a search: square of the distance from the line of the piece, a sine, and where the tool is lowest.
     """
 
     ys: Array
@@ -59,6 +59,7 @@ class FloorLine(NamedTuple):
     gone: Array
     squares: Array
     sines: Array
+    free: Array
 
 
 @kernel(lean=True)
@@ -143,13 +144,13 @@ def is_rising(flat: float, corner2: float, c2: float, slope: float, u: float) ->
 
 @kernel(lean=True, inlined=True)
 def seek_lowest(sweep: Sweep, x: float, line: FloorLine, at: np.uint64) -> None:
-    """Fill the sines of a block: where on the corner of a bull nose it is lowest over each column; see `next_sine`.
+    """Fill `free` of a block: where along the piece, from each column, a bull nose is lowest over it [m].
 
-    Where it is lowest at an end of the piece any will do, so that they are only looked for if some are not.
+    Beyond the ends of the piece it is only known to be there; steps of `next_sine` are made if some are between.
     """
     ux, uy, length, slope = sweep.piece.ux, sweep.piece.uy, sweep.piece.length, sweep.piece.slope
     flat, corner, radius2 = sweep.shape.flat, sweep.shape.corner, sweep.shape.radius * sweep.shape.radius
-    ys, squares, sines, y0 = line.ys, line.squares, line.sines, sweep.piece.y
+    ys, squares, sines, free, y0 = line.ys, line.squares, line.sines, line.free, sweep.piece.y
     between = np.uint8(0)
     for k in range(BLOCK):
         j = at + np.uint64(k)
@@ -161,17 +162,25 @@ def seek_lowest(sweep: Sweep, x: float, line: FloorLine, at: np.uint64) -> None:
         falls = np.uint8(is_rising(flat, corner * corner, c2, slope, first)) ^ np.uint8(1)
         rises = np.uint8(is_rising(flat, corner * corner, c2, slope, last))
         between |= falls & rises & np.uint8(first < last)
+        free[j] = np.inf if falls else -np.inf
         squares[j] = c2
         sines[j] = first_sine(flat, corner, c2, slope)
+    if between == 0:
+        return
     for _ in range(TURNS):
         if between == 0:
-            return
+            break
         between = np.uint8(0)
         for k in range(BLOCK):
             j = at + np.uint64(k)
             following = next_sine(flat, corner, squares[j], slope, sines[j])
             between |= np.uint8(sines[j] - following > CLOSE)
             sines[j] = following
+    side = -1.0 if slope > 0.0 else 1.0
+    for k in range(BLOCK):
+        j = at + np.uint64(k)
+        rho = flat + corner * sines[j]
+        free[j] = side * np.sqrt(max(rho * rho - squares[j], 0.0))
 
 
 @kernel(lean=True, inlined=True)
@@ -180,7 +189,8 @@ def floor_of_bull_nose(sweep: Sweep, x: float, line: FloorLine, at: np.uint64) -
     ux, uy, length, slope = sweep.piece.ux, sweep.piece.uy, sweep.piece.length, sweep.piece.slope
     radius2, bottom, begin = sweep.shape.radius * sweep.shape.radius, sweep.shape.bottom, sweep.begin
     flat, corner = sweep.shape.flat, sweep.shape.corner
-    ys, floor, sines, y0 = line.ys, line.floor, line.sines, sweep.piece.y
+    ys, floor, free, y0 = line.ys, line.floor, line.free, sweep.piece.y
+    level = slope == 0.0
     if slope != 0.0:
         seek_lowest(sweep, x, line, at)
     for k in range(BLOCK):
@@ -190,10 +200,7 @@ def floor_of_bull_nose(sweep: Sweep, x: float, line: FloorLine, at: np.uint64) -
         c2 = across * across
         near = min(max(0.0, -along), length - along)
         half = np.sqrt(max(radius2 - c2, 0.0))
-        rho = flat + corner * sines[j]
-        reach = np.sqrt(max(rho * rho - c2, 0.0))
-        free = 0.0 if slope == 0.0 else (-reach if slope > 0.0 else reach)
-        u = min(max(free, max(-along, -half)), min(length - along, half))
+        u = min(max(0.0 if level else free[j], max(-along, -half)), min(length - along, half))
         beyond = max(np.sqrt(u * u + c2) - flat, 0.0)
         deep = begin + slope * along + slope * u + bottom
         deep += corner - np.sqrt(max(corner * corner - beyond * beyond, 0.0))

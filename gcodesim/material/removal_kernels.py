@@ -162,7 +162,7 @@ def scratch(field: Field) -> Scratch:
     for j in range(ny):
         ys[j] = y_of(field.grid, j)
     n = max(nx, ny) + BLOCK
-    line = FloorLine(ys, np.empty(n), np.empty(n), np.empty(n), np.ones(n))
+    line = FloorLine(ys, np.empty(n), np.empty(n), np.empty(n), np.empty(n), np.empty(n))
     along_x = Ends(np.empty(ny), np.empty(ny), np.empty(ny), np.empty(ny))
     along_y = Ends(np.empty(nx), np.empty(nx), np.empty(nx), np.empty(nx))
     marks = np.empty(BLOCK, np.int64)
