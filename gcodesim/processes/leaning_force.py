@@ -191,7 +191,6 @@ def seen_by(
 
     `bend` (3,) [m]; `tip` (3,) is where it begins, if not where its way does.
     """
-    from gcodesim.material.kernels import scratch
     from gcodesim.material.stock import widened
     from gcodesim.processes import milling_kernels as m
 
@@ -199,7 +198,7 @@ def seen_by(
     if field is None:
         return None
     here = (local.starts[0] if tip is None else tip) + bend
-    while not m.remove_cutter(field, here, here, process.packed_tool, scratch(field))[1]:
+    while not m.remove_standing(field, here, process.packed_tool):
         field = widened(field)
     return field
 

@@ -383,6 +383,12 @@ def remove_cutter(field: Field, start: Array, end: Array, tool: MillingTool, spa
     return remove_piece(field, start, end, tool.cutter, spare)
 
 
+@kernel
+def remove_standing(field: Field, tip: Array, tool: MillingTool) -> bool:
+    """Remove what is where the cutting part stands with its tip there; False when a column had no room."""
+    return remove_cutter(field, tip, tip, tool, scratch(field))[1]
+
+
 @kernel(lean=True, inlined=True)
 def touch_cutter(field: Field, start: Array, end: Array, tool: MillingTool) -> tuple[float, float]:
     """What the cutting part would run through from `start` to `end`: volume [m³] and depth [m]; none is removed."""
