@@ -1,4 +1,4 @@
-"""Removal by a ball end mill, and its force at one step.
+"""Removal by a ball end mill, by other kinds of cutters beside it, and its force at one step.
 
     python -m benchmarks.removal [CHORDS]
 
@@ -27,6 +27,7 @@ from gcodesim.units import MM
 RADIUS = 3.0 * MM
 CELL = 0.25 * MM
 LOW, HIGH = (0.0, 0.0, -0.02), (0.1, 0.06, 0.0)
+OTHERS = {"bull_nose_end_mill": {"corner_radius": 1.0 * MM}, "flat_end_mill": {}, "drill": {}}
 STEP = 0.1333 * MM  # of 4 ms at 2000 mm/min
 
 
@@ -98,6 +99,12 @@ def main(chords: int = 5000) -> None:
     theirs = seconds(lambda: by_numpy(few), 1)
     plain = (len(few) - 1) / theirs
     show("removal, ball end, upright", chords / ours, "plain numpy, height map", plain, "chords/s", 15)
+
+    for kind, more in OTHERS.items():
+        other = TOOLS[kind](number=1, diameter=2 * RADIUS, flutes=2, length=60 * MM, **more).cutting_shape
+        spent = seconds(lambda shape=other: whole().remove(tips[:-1], tips[1:], shape)) - fresh  # type: ignore[misc]
+        name, rate = kind.replace("_", " "), chords / spent
+        print(f"{name:34} {rate:14,.0f} chords/s   {spent / ours:.2f} x a ball's time   goal 3 x")
 
     process = Milling(cutter=tool, law=LinearEdge.from_table(631.0, 13.0, 99.0, 10.0, 273.0, 2.8))
     steps = window(few)
