@@ -6,7 +6,7 @@ import json
 import signal
 import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -107,7 +107,14 @@ def test_run_and_info_name_the_same_line_wherever_a_run_stops(cli, write, tmp_pa
         assert results["time"]["total_s"] == pytest.approx(log.end_ns * 1e-9, abs=0.01)
 
 
-@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
+@pytest.fixture(params=[signal.SIGTERM, signal.SIGHUP])
+def number(request: pytest.FixtureRequest) -> Iterator[signal.Signals]:
+    """A signal that nobody ignores; under `nohup`, tests inherit that one is."""
+    before = signal.signal(request.param, signal.SIG_DFL)
+    yield request.param
+    signal.signal(request.param, before)
+
+
 def test_other_signals_close_the_log_as_well(
     cli, monkeypatch: pytest.MonkeyPatch, tmp_path: Path, number: signal.Signals
 ) -> None:
@@ -134,7 +141,6 @@ def test_sigterm_ends_other_commands_without_a_trace(cli, monkeypatch: pytest.Mo
     assert (done.status, done.out, done.err) == (143, "", "gcodesim: interrupted\n")
 
 
-@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
 def test_a_signal_in_a_run_of_test_and_accept_has_its_own_status(
     cli, monkeypatch: pytest.MonkeyPatch, number: signal.Signals
 ) -> None:

@@ -15,7 +15,7 @@ from pathlib import Path
 
 import pytest
 
-from gcodesim.scale.crew import Keys, NoWorkersError, SchedulerLostError, crew_at, local_crew
+from gcodesim.scale.crew import Crew, Keys, NoWorkersError, SchedulerLostError, crew_at, local_crew
 from gcodesim.scale.hands import Alone, WorkerTask
 from gcodesim.scale.worker import stand_in
 from tests.cluster import Cluster, cluster, kill
@@ -106,6 +106,27 @@ def test_a_killed_worker_costs_no_task_and_without_any_nobody_waits_for_ever(clu
         kill(one.workers[1])
         with pytest.raises(NoWorkersError, match="no worker"):
             list(ends)
+
+
+def test_results_that_have_come_stay_when_their_worker_dies(cluster, monkeypatch: pytest.MonkeyPatch):
+    """They wait for their turn while earlier ones are written."""
+    one = cluster(workers=1)
+    next_batch = Crew._next
+
+    def when_all_have_come(crew, done):
+        while len(done.queue.queue) < 10:
+            time.sleep(0.01)
+        return next_batch(crew, done)
+
+    monkeypatch.setattr(Crew, "_next", when_all_have_come)
+    with crew_at(one.address) as crew:
+        ends = crew.do(stand_in, tasks(10))
+        first = next(ends)
+        kill(one.workers[0])
+        while not any(state.status == "lost" for state in list(crew._client.futures.values())):
+            time.sleep(0.01)
+
+        assert numbers([first, *ends]) == list(range(10))
 
 
 def test_a_scheduler_that_goes_between_two_tasks_is_lost(cluster, monkeypatch: pytest.MonkeyPatch):
