@@ -225,7 +225,7 @@ class Crew:
         """The end of a task; None if its worker must not work, so that somebody else has to."""
         status = future.status
         future.release()
-        if isinstance(reply, (bytes, bytearray, memoryview)):  # has come, whatever has become of its worker since
+        if isinstance(reply, bytes):  # has come, whatever has become of its worker since
             said = FileBundle.unpack(reply).said
             if said.get("state") != UNFIT:
                 return ended(task, reply)
