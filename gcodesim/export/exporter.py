@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 Destination = TextIO | BinaryIO | Path
 
-Option = Literal["topics", "time", "lines", "period", "units", "at", "stock", "world", "by", "section"]
+Option = Literal["topics", "time", "lines", "period", "units", "at", "stock", "world", "by", "section", "simplify"]
 
 RANGE: frozenset[Option] = frozenset(("topics", "time", "lines", "period"))
 """Options of an exporter that writes what happened over a time."""
@@ -29,7 +29,8 @@ class NoExportError(ValueError):
 class Request:
     """What of a log is asked for: `topics` (none: the usual ones) in a range of time, in `units`, or the state at a
     moment `at_ns` (None: the end), of one `stock` where there are several, in the world or in its own frame, coloured
-    `by` deviation, tool or line; `section`: across which of x, y, z, and where [m]."""
+    `by` deviation, tool or line; `section`: across which of x, y, z, and where [m]; `simplify`: how far [m] a surface
+    may be off for fewer triangles, 0 for not at all."""
 
     topics: tuple[str, ...] = ()
     part: TimeRange = field(default_factory=TimeRange)
@@ -39,6 +40,7 @@ class Request:
     world: bool = False
     by: str | None = None
     section: tuple[str, float] | None = None
+    simplify: float = 0.0
 
     def moment(self, recording: Recording) -> int:
         """The moment [ns]."""

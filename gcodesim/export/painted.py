@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from gcodesim.arithmetic.matrices import applied
 from gcodesim.export.exporter import Exporter, NoExportError, Option, Request
-from gcodesim.export.part import frame_of, part_surface, stock_file_of
+from gcodesim.export.part import frame_of, how_made, part_surface, simplified, stock_file_of
 from gcodesim.files.output_folder import SKIN_SUFFIX
 from gcodesim.frames import Array
 from gcodesim.frozen import frozen
@@ -20,7 +20,7 @@ from gcodesim.material.skin_file import SkinFileError, colours_by, read_skin
 from gcodesim.playback.recording import Recording
 from gcodesim.units import MM
 
-_TAKES: Final[frozenset[Option]] = frozenset(("at", "stock", "world", "by"))
+_TAKES: Final[frozenset[Option]] = frozenset(("at", "stock", "world", "by", "simplify"))
 _DATE: Final = (1980, 1, 1, 0, 0, 0)
 """Of the files in an archive: the earliest that it can have, so that the same part gives the same bytes."""
 
@@ -50,14 +50,16 @@ class ColouredPart:
 
 def coloured_part(recording: Recording, request: Request) -> ColouredPart:
     """The part that is asked for. NoExportError if there is none, or if it has no colours that are asked for."""
-    skin = None if request.at_ns is not None else _skin_of(recording, request.stock)
+    if request.simplify and request.by is not None:
+        raise NoExportError("colours belong to the fine triangles, which `simplify` joins; leave one of the two out")
+    skin = None if request.at_ns is not None or request.simplify else _skin_of(recording, request.stock)
     if skin is None:
         if request.by is not None:
             raise NoExportError(
                 "there are no colours: only the end of a run with a `target` in its cell has them, beside its log"
             )
         surface, exact = part_surface(recording, t_ns=request.at_ns, stock=request.stock, world=request.world)
-        how = "as computed" if exact else "as the log draws it"
+        surface, how = simplified(surface, request.simplify), how_made(exact, request)
         return ColouredPart(vertices=surface.vertices / MM, faces=surface.faces, colours=None, how=how)
     by = request.by or "deviation"
     vertices = applied(skin.turn, skin.vertices)

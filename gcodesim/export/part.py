@@ -14,6 +14,7 @@ from gcodesim.material.surface import Surface
 from gcodesim.playback.recording import Recording
 from gcodesim.playback.scenes import Drawing
 from gcodesim.playback.skins import merged, skin_of
+from gcodesim.units import MM
 
 
 class NoPartError(NoExportError):
@@ -46,15 +47,22 @@ def frame_of(recording: Recording, stock: str | None) -> str:
 
 
 def write_part(
-    recording: Recording, out: BinaryIO, *, t_ns: int | None = None, stock: str | None = None, world: bool = False
+    recording: Recording,
+    out: BinaryIO,
+    *,
+    t_ns: int | None = None,
+    stock: str | None = None,
+    world: bool = False,
+    simplify: float = 0.0,
 ) -> Written:
     """Write the surface of a stock in mm, in its own frame or in the world; `part_surface` says which it is."""
-    own = _written(recording, stock) if t_ns is None and not world else None
+    own = _written(recording, stock) if t_ns is None and not world and not simplify else None
     if own is not None:  # the file of the run knows which walls were cut; a stock that is loaded does not
         data = own.read_bytes()
         out.write(data)
         return Written(int.from_bytes(data[80:84], "little"), exact=True)
     surface, exact = part_surface(recording, t_ns=t_ns, stock=stock, world=world)
+    surface = simplified(surface, simplify)
     write_stl(surface, out)
     return Written(len(surface.faces), exact=exact)
 
@@ -84,6 +92,21 @@ def part_surface(
     return surface, False
 
 
+def simplified(surface: Surface, tolerance: float) -> Surface:
+    """The surface with fewer triangles, none of its points more than `tolerance` [m] off; 0 leaves it as it is."""
+    if not tolerance:
+        return surface
+    from gcodesim.material.decimation import decimated
+
+    return decimated(surface, tolerance)
+
+
+def how_made(exact: bool, request: Request) -> str:
+    """In words: where a surface comes from and how far it may be off."""
+    how = "as computed" if exact else "as the log draws it"
+    return f"{how} within {request.simplify / MM:g} mm" if request.simplify else how
+
+
 class Stl(Exporter):
     """`--to stl`."""
 
@@ -91,11 +114,18 @@ class Stl(Exporter):
     says: ClassVar[str] = "the part at a moment, in mm, in its own frame"
     suffix: ClassVar[str] = ".stl"
     writes: ClassVar[Literal["text", "bytes", "folder"]] = "bytes"
-    takes: ClassVar[frozenset[Option]] = frozenset(("at", "stock", "world"))
+    takes: ClassVar[frozenset[Option]] = frozenset(("at", "stock", "world", "simplify"))
 
     def write(self, recording: Recording, out: BinaryIO, request: Request) -> str:
-        written = write_part(recording, out, t_ns=request.at_ns, stock=request.stock, world=request.world)
-        how = "as computed" if written.exact else "as the log draws it"
+        written = write_part(
+            recording,
+            out,
+            t_ns=request.at_ns,
+            stock=request.stock,
+            world=request.world,
+            simplify=request.simplify,
+        )
+        how = how_made(written.exact, request)
         return f"the part at {request.moment(recording) * 1e-9:g} s, {how}, {written.triangles} triangles,"
 
 

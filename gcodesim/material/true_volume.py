@@ -52,11 +52,19 @@ def with_volume(surface: Surface, volume: float, cell: float) -> Surface:
     area = norms(share)
     way = np.zeros_like(points)
     way[:, :2] = np.divide(share, area[:, None], out=np.zeros_like(share), where=area[:, None] > 0.0)
-    shift, slope, best = 0.0, float(area.sum()), surface
+    return moved_to_volume(surface, way, float(area.sum()), volume, MOST_SHIFT * cell, 1e-2 * CLOSE)
+
+
+def moved_to_volume(surface: Surface, way: Array, slope: float, volume: float, most: float, close: float) -> Surface:
+    """`surface` with its points moved along `way` (v, 3), at most by `most` [m], all as far, until it has this volume.
+
+    A move by d adds `slope` [m²] times d to first order. `close` is the share of the volume that may be missing.
+    """
+    shift, best = 0.0, surface
     for _ in range(TURNS):
         missing = volume - best.volume
-        if slope <= 0.0 or abs(missing) <= 1e-2 * CLOSE * abs(volume):
+        if slope <= 0.0 or abs(missing) <= close * abs(volume):
             break
-        shift = float(np.clip(shift + missing / slope, -MOST_SHIFT * cell, MOST_SHIFT * cell))
-        best = replace(surface, vertices=points + shift * way)
+        shift = float(np.clip(shift + missing / slope, -most, most))
+        best = replace(surface, vertices=surface.vertices + shift * way)
     return best
