@@ -20,8 +20,10 @@ from gcodesim.arithmetic.elementary import atan2
 from gcodesim.diagnostics import SourceText
 from gcodesim.frozen import frozen
 from gcodesim.rs274 import ToolTable
+from gcodesim.rs274.tool_table import ToolEntry
 from gcodesim.starter.scan import tool_in_words
-from gcodesim.units import INCH, MM
+from gcodesim.tools.lathe_tool import angles_of_edges
+from gcodesim.units import DEG, INCH, MM
 
 Json = Mapping[str, Any]
 
@@ -29,7 +31,10 @@ LARGEST: Final = 64 * 1024 * 1024
 """Bytes of the largest library that is read."""
 
 
-EMPTY: Final = "left out: T0 is the empty spindle, no tool"
+LEFT_OUT: Final = "left out: "
+"""How the note of what is no tool begins."""
+
+EMPTY: Final = f"{LEFT_OUT}T0 is the empty spindle, no tool"
 
 
 class ToolFileError(Exception):
@@ -47,7 +52,7 @@ class ReadTool:
 
     @property
     def refused(self) -> bool:
-        return not self.keys and self.notes[:1] != (EMPTY,)
+        return not self.keys and not "".join(self.notes[:1]).startswith(LEFT_OUT)
 
 
 @frozen
@@ -187,6 +192,8 @@ _SHAPED: Final = re.compile(
     r"thread ?mill|lollipop|corner round|drag ?knife",
     re.IGNORECASE,
 )
+_TOOL_WORD: Final = re.compile(r"(?<![A-Za-z])[Tt]\s*[0-9]")
+_MILL: Final = re.compile("mill", re.IGNORECASE)
 _PROBE: Final = re.compile(r"\bprobe\b|\btaster\b", re.IGNORECASE)
 
 
@@ -204,6 +211,10 @@ def _linuxcnc(path: Path, data: bytes, inch: bool) -> ToolFile:
             tools.append(ReadTool(number=number, name=entry.comment, notes=(why,)))
             continue
         told = tool_in_words(number, entry.comment, inch)
+        named = told.type != "flat_end_mill" or _MILL.search(entry.comment) is not None
+        if _turns(entry) and not named:
+            tools.append(_lathe_tip(entry, unit, si))
+            continue
         if _PROBE.search(entry.comment):
             told = replace(told, type="probe")
         keys = _Keys(told.type, entry.comment, unit)
@@ -212,7 +223,7 @@ def _linuxcnc(path: Path, data: bytes, inch: bool) -> ToolFile:
         keys.angle("point_angle", told.point_angle)
         keys.angle("angle", told.angle)
         keys.length("length", entry.offset[2] / si)
-        if told.type == "flat_end_mill" and "mill" not in entry.comment.lower():
+        if not named:
             keys.notes.append("approximated: a table does not say what kind of tool it is; a flat end mill is assumed")
         else:
             keys.notes.append(f"approximated: the comment speaks of a {told.type.replace('_', ' ')}")
@@ -221,8 +232,42 @@ def _linuxcnc(path: Path, data: bytes, inch: bool) -> ToolFile:
                 f"differs: D is {entry.diameter / si:g} {unit}, the comment says {told.diameter:g} {unit}"
             )
         tools.append(_made(keys, number, entry.comment))
-    lost = [ReadTool(number=0, name=f"line {f.span.line}", notes=(f"refused: {f.message}",)) for f in findings]
+    source = SourceText(str(path), data)
+    prose = [f.span.line for f in findings if not _TOOL_WORD.search(source.line(f.span.line).partition(";")[0])]
+    lost = [
+        ReadTool(number=0, name=f"line {f.span.line}", notes=(f"refused: {f.message}",))
+        for f in findings
+        if f.span.line not in prose
+    ]
+    if prose:
+        name = f"line{'' if len(prose) == 1 else 's'} {', '.join(map(str, prose))}"
+        lost.append(ReadTool(number=0, name=name, notes=(f"{LEFT_OUT}no T word, so no tool",)))
     return ToolFile(what="tool table of LinuxCNC", tools=(*tools, *lost))
+
+
+def _turns(entry: ToolEntry) -> bool:
+    """Whether a line describes a tip of a lathe: where its nose is, or its edges."""
+    return 1 <= entry.orientation <= 9 or entry.front_angle != entry.back_angle
+
+
+def _lathe_tip(entry: ToolEntry, unit: str, si: float) -> ReadTool:
+    """A turning tool by nose and edges; D is twice the radius of its nose (LinuxCNC, tool table of lathes)."""
+    keys = _Keys("turning_tool", entry.comment, unit)
+    orientation = entry.orientation if 1 <= entry.orientation <= 9 else 9
+    keys.found["orientation"] = str(orientation)
+    keys.length("nose_radius", 0.5 * entry.diameter / si)
+    lead, tip = angles_of_edges(entry.front_angle, entry.back_angle, orientation)
+    if entry.front_angle == entry.back_angle:
+        keys.notes.append("approximated: it does not say its edges (I, J); a slim tip is assumed")
+    elif not 0.0 < tip < 180.0 * DEG:
+        keys.notes.append("differs: its edges (I, J) enclose no tip; a slim one is assumed")
+    else:
+        keys.angle("tip_angle", tip / DEG)
+        if lead is not None:
+            keys.angle("lead_angle", lead / DEG)
+    if any(entry.offset):
+        keys.notes.append("not used: its offsets; the cell takes them with `tool_table`")
+    return keys.tool(entry.number, entry.comment, ())
 
 
 # --- Fusion
@@ -362,7 +407,43 @@ _FREECAD: Final = {
     "tap": "tap",
     "reamer": "reamer",
     "probe": "probe",
+    **dict.fromkeys(("iso_shape_c", "iso_shape_d", "iso_shape_s", "iso_shape_t", "isoshape"), "turning_tool"),
 }
+
+_FREECAD_UNITS: Final = {
+    "": 1.0,
+    "mm": 1.0,
+    "cm": 10.0,
+    "m": 1000.0,
+    "um": 1e-3,
+    "\N{MICRO SIGN}m": 1e-3,
+    "\N{GREEK SMALL LETTER MU}m": 1e-3,
+    '"': INCH / MM,
+    "in": INCH / MM,
+    "thou": 1e-3 * INCH / MM,
+    "mil": 1e-3 * INCH / MM,
+    "\N{DEGREE SIGN}": 1.0,
+    "deg": 1.0,
+}
+_FREECAD_VALUE: Final = re.compile(r"\s*([+-]?[0-9][0-9.,]*|[.,][0-9]+)\s*(?:/\s*([0-9]+))?\s*(\S*)\s*")
+
+
+def _freecad_value(value: Any) -> float | None:
+    """A length in mm or an angle in degrees, as FreeCAD shows it in any language: `6.35 mm`, `3,17 mm`, `1/4"`.
+
+    Of dots and commas the last is that of the decimals.
+    """
+    if not isinstance(value, str):
+        return _number(value)
+    match = _FREECAD_VALUE.fullmatch(value)
+    if match is None or match[3] not in _FREECAD_UNITS:
+        return None
+    digits = match[1]
+    last = max(digits.rfind("."), digits.rfind(","))
+    whole = digits if last < 0 else digits[:last].replace(".", "").replace(",", "") + "." + digits[last + 1 :]
+    number = _number(whole if whole[-1:] != "." else whole[:-1])
+    parts = int(match[2] or 1)
+    return None if number is None or parts == 0 else number / parts * _FREECAD_UNITS[match[3]]
 
 
 def _freecad_library(library: Json, path: Path) -> ToolFile:
@@ -400,15 +481,20 @@ def _freecad(number: int, bit: Json) -> ReadTool:
     if shape not in _FREECAD:
         return ReadTool(number=number, name=name, notes=(f"refused: gcodesim knows no tool of the shape `{shape}`",))
     parameters = {**_mapping(bit.get("attribute")), **_mapping(bit.get("parameter"))}
-    units = {"in" if str(parameters.get(key, "")).strip().endswith(('"', "in")) else "mm" for key in ("Diameter",)}
     kind = _FREECAD[shape]
-    keys = _Keys(kind, name, units.pop())
+    keys = _Keys(kind, name, "mm")
     used = {"Diameter", "Length", "ShankDiameter", "Flutes", "Material", "Chipload", "SpindleDirection", "ToolBitID"}
 
     def value(key: str) -> float | None:
         used.add(key)
-        return _number(parameters.get(key))
+        return _freecad_value(parameters.get(key))
 
+    if kind == "turning_tool":
+        keys.length("nose_radius", value("TipRadius"))
+        keys.angle("tip_angle", value("TipAngle"))
+        keys.length("edge", value("EdgeLength"))
+        keys.notes.append("approximated: it does not say how it is held; its front edge stands square to the feed")
+        return keys.tool(number, name, ("tip_angle",))
     keys.length("diameter", value("Diameter"))
     keys.count("flutes", parameters.get("Flutes"))
     keys.length("length", value("Length"))
@@ -423,14 +509,16 @@ def _freecad(number: int, bit: Json) -> ReadTool:
         value("FlatHeight")
         value("CuttingEdgeHeight")
     elif kind == "dovetail_mill":
-        keys.angle("angle", angle)
+        keys.angle("angle", angle or value("CuttingAngle"))
         keys.length("neck_diameter", value("NeckDiameter"))
+        if "flute_length" not in keys.found:
+            keys.length("flute_length", value("DovetailHeight"))
         value("NeckHeight")
     elif kind == "bull_nose_end_mill":
         flat = value("FlatRadius")
         diameter = value("Diameter")
         beyond = None if flat is None or diameter is None else 0.5 * diameter - flat
-        keys.length("corner_radius", value("CornerRadius") or beyond)
+        keys.length("corner_radius", value("CornerRadius") or value("TorusRadius") or beyond)
     elif kind == "drill":
         keys.angle("point_angle", value("TipAngle"))
     elif kind == "saw":

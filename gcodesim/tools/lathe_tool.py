@@ -123,6 +123,22 @@ def _apart(a: float, b: float) -> float:
     return (a - b + pi) % (2.0 * pi) - pi
 
 
+def angles_of_edges(front: float, back: float, orientation: int) -> tuple[float | None, float]:
+    """Lead angle and tip angle [rad] of edges that lead away from the nose in these directions [rad].
+
+    Directions count from +Z towards +X, as I and J of LinuxCNC's tool table do. A tip in the middle has no lead angle.
+    """
+    ways = NOSE_CENTRES[orientation]
+    if not (ways[0] and ways[1]):
+        apart = (front - back) % (2.0 * pi)
+        return None, min(apart, 2.0 * pi - apart)
+    if ways[1] < 0:
+        front, back = -front, -back
+    if ways[0] < 0:
+        front, back = pi - front, pi - back
+    return (pi - front) % (2.0 * pi), (front - back) % (2.0 * pi)
+
+
 def behind(front: float, back: float, centre: tuple[float, float], nose: float, width: float) -> Array:
     """The outline of a holder behind both edges of an insert: a little aside, `width` wide along the back edge."""
     low, high = min(front, back), max(front, back)
