@@ -14,6 +14,7 @@ _PLACES: Final[dict[str, Any]] = {
     "turning": "gcodesim.calculator.turning:TurningCut",
     "cutting_data": "gcodesim.calculator.cutting_data:CuttingData",
     "chip_thinning": "gcodesim.calculator.chip_thinning:ChipThinning",
+    "scallop": "gcodesim.calculator.scallop:Scallop",
     "deflection": "gcodesim.calculator.bending:ToolBending",
     "stability.milling": "gcodesim.calculator.chatter:MillingLobes",
     "stability.turning": "gcodesim.calculator.chatter:TurningStability",

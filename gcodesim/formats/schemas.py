@@ -346,6 +346,16 @@ def _target() -> Json:
             "bodies of the stock that hang together with nothing of the target, up to 100",
             record("a loose piece", volume_mm3=number("its volume"), **place),
         ),
+        scallops=array(
+            "ridges between passes, of each tool that made some of the part, in patches of its skin",
+            record(
+                "a tool",
+                tool=whole("its number", least=0),
+                area_mm2=number("skin of the patches that were looked at"),
+                typical_mm=number("half of this area has lower ridges: highest less lowest distance from the target"),
+                most_mm=number("the highest"),
+            ),
+        ),
     )
 
 

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from gcodesim.diagnostics import Span
 from gcodesim.frozen import frozen
 from gcodesim.numbers import rounded
 from gcodesim.units import MM, MM2, MM3
+
+if TYPE_CHECKING:
+    from gcodesim.material.scallops import Scallops
 
 MOST_REGIONS: Final = 100
 """Regions that results tell one by one; the volumes of all are added up."""
@@ -99,6 +102,7 @@ class TargetResult:
     excesses: int
     regions: Sequence[RegionResult]
     loose: Sequence[LooseResult]
+    scallops: Sequence[Scallops] = ()
 
     @property
     def share_outside(self) -> float:
@@ -119,4 +123,13 @@ class TargetResult:
             "excesses": self.excesses,
             "regions": [region.as_json() for region in self.regions],
             "loose": [each.as_json() for each in self.loose],
+            "scallops": [
+                {
+                    "tool": each.tool,
+                    "area_mm2": rounded(each.area / MM2),
+                    "typical_mm": rounded(each.typical / MM),
+                    "most_mm": rounded(each.most / MM),
+                }
+                for each in self.scallops
+            ],
         }

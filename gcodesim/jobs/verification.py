@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
@@ -56,6 +57,7 @@ def verify(job: Job, execution: Execution) -> tuple[TargetResult | None, list[Di
     from gcodesim.jobs.skins import painted
     from gcodesim.material.deviation import compare
     from gcodesim.material.mesh import OpenMeshError
+    from gcodesim.material.scallops import scallops_of
 
     try:
         deviation = compare(placed.stock, vertices, mesh.faces, cell.target.tolerance)
@@ -66,7 +68,10 @@ def verify(job: Job, execution: Execution) -> tuple[TargetResult | None, list[Di
     result = _Blame(job, placed, passes).result(cell.target, deviation)
     tolerance = cell.target.tolerance
     regions = _told(deviation)
-    job.painting[placed.name] = lambda: painted(job, placed, passes, (vertices, mesh.faces), tolerance, regions)
+    skin = painted(job, placed, passes, (vertices, mesh.faces), tolerance, regions)
+    job.painting[placed.name] = lambda: skin
+    radii = {number: 0.5 * float(getattr(tool, "diameter", 0.0)) for number, tool in cell.tools.items()}
+    result = replace(result, scallops=list(scallops_of(skin, radii, passes)))
     program = Span(job.program.name)
     totals = {True: (result.gouges, result.gouge), False: (result.excesses, result.excess)}
     found = list(target_findings(result.regions, totals, result.tolerance, program))

@@ -40,20 +40,20 @@ def _collapsed(surface: Surface, allowed: float) -> tuple[Surface, np.ndarray, f
     """What is left when points are taken out, unit ways (v, 3) of its points and what a move along them adds [m²]."""
     from gcodesim.material.decimation_kernels import (
         MOST_NEIGHBOURS,
-        Corners,
-        Ring,
-        Skin,
+        CornerLists,
+        Neighbours,
+        ThinnedSkin,
         collapse_some,
         list_corners,
         ways_out,
     )
 
     points, faces = surface.vertices.copy(), surface.faces.copy()
-    skin = Skin(points, faces, np.zeros(len(faces)), np.zeros(len(faces), dtype=np.uint8))
-    corners = Corners(np.full(len(points), -1, dtype=np.int32), np.empty(3 * len(faces), dtype=np.int32))
+    skin = ThinnedSkin(points, faces, np.zeros(len(faces)), np.zeros(len(faces), dtype=np.uint8))
+    corners = CornerLists(np.full(len(points), -1, dtype=np.int32), np.empty(3 * len(faces), dtype=np.int32))
     list_corners(skin, corners)
     room = MOST_NEIGHBOURS + 1
-    ring = Ring(
+    ring = Neighbours(
         np.empty(room, dtype=np.int32),
         np.empty(room, dtype=np.int32),
         np.empty((room, 3)),

@@ -40,7 +40,7 @@ EVEN = 1e-6
 """What an edge counts beside a distance, by its length: of equally good neighbours the nearest is taken."""
 
 
-class Skin(NamedTuple):
+class ThinnedSkin(NamedTuple):
     """Points (v, 3) [m] and faces (f, 3), of which those that are gone begin with -1.
 
     Each face has how far it is `off` (f,) [m], and whether it has `turned` (f,) out of its plane.
@@ -52,14 +52,14 @@ class Skin(NamedTuple):
     turned: Bytes
 
 
-class Corners(NamedTuple):
+class CornerLists(NamedTuple):
     """The corners 3 f + k of the faces at each point as a list: the `first` (v,), and the `next` (3 f,); -1 ends it."""
 
     first: Ints
     next: Ints
 
 
-class Ring(NamedTuple):
+class Neighbours(NamedTuple):
     """Room for one point's neighbours in order: `face`, `point` (n,), where they are seen from it along the mean normal
     `place` (n, 3), how far a face of a fan is from what is under it, `height` (n,), how far faces of a fan and of the
     best one are off, `off` (2, n), and `mark` (v,), the last point in whose ring each has been."""
@@ -73,7 +73,7 @@ class Ring(NamedTuple):
 
 
 @kernel(lean=True)
-def list_corners(skin: Skin, corners: Corners) -> None:
+def list_corners(skin: ThinnedSkin, corners: CornerLists) -> None:
     """Fill the lists; `first` begins with -1."""
     for f in range(len(skin.faces)):
         for k in range(3):
@@ -83,7 +83,7 @@ def list_corners(skin: Skin, corners: Corners) -> None:
 
 
 @kernel(lean=True)
-def _ring_of(skin: Skin, corners: Corners, ring: Ring, p: int) -> int:
+def _ring_of(skin: ThinnedSkin, corners: CornerLists, ring: Neighbours, p: int) -> int:
     """The neighbours of p in order against the clock; how many, 0 where its faces are not one closed fan."""
     count = 0
     corner = corners.first[p]
@@ -122,7 +122,7 @@ def _ring_of(skin: Skin, corners: Corners, ring: Ring, p: int) -> int:
 
 
 @kernel(lean=True)
-def _seen_along_normal(skin: Skin, ring: Ring, p: int, count: int) -> bool:
+def _seen_along_normal(skin: ThinnedSkin, ring: Neighbours, p: int, count: int) -> bool:
     """Fill `place`: two coordinates across the mean normal of the ring and a height; False where a face looks away."""
     px, py, pz = skin.points[p, 0], skin.points[p, 1], skin.points[p, 2]
     nx = ny = nz = 0.0
@@ -157,7 +157,7 @@ def _seen_along_normal(skin: Skin, ring: Ring, p: int, count: int) -> bool:
 
 
 @kernel(lean=True)
-def _fan_off(skin: Skin, ring: Ring, count: int, k: int, sliver: float, off: Array) -> float:
+def _fan_off(skin: ThinnedSkin, ring: Neighbours, count: int, k: int, sliver: float, off: Array) -> float:
     """How far (n,) each face of the fan from neighbour k may be off [m], and the most; infinite where it is refused.
 
     A face is as far off as the worst of those that it lies over, and as far as it is from them.
@@ -200,7 +200,7 @@ def _fan_off(skin: Skin, ring: Ring, count: int, k: int, sliver: float, off: Arr
 
 
 @kernel(lean=True)
-def _cross(skin: Skin, ring: Ring, count: int, k: int, off: Array) -> None:
+def _cross(skin: ThinnedSkin, ring: Neighbours, count: int, k: int, off: Array) -> None:
     """Take into `off` and `height` what is where an edge of the fan, from k to m, crosses one of the ring, to n."""
     place = ring.place
     x, y, z = place[k, 0], place[k, 1], place[k, 2]
@@ -227,7 +227,7 @@ def _cross(skin: Skin, ring: Ring, count: int, k: int, off: Array) -> None:
 
 
 @kernel(lean=True)
-def _is_linked(skin: Skin, corners: Corners, ring: Ring, p: int, count: int, k: int) -> bool:
+def _is_linked(skin: ThinnedSkin, corners: CornerLists, ring: Neighbours, p: int, count: int, k: int) -> bool:
     """Whether p and neighbour k have just the two neighbours in common that are beside k in the ring."""
     q, before, after = ring.point[k], ring.point[(k + count - 1) % count], ring.point[(k + 1) % count]
     corner = corners.first[q]
@@ -243,7 +243,7 @@ def _is_linked(skin: Skin, corners: Corners, ring: Ring, p: int, count: int, k: 
 
 
 @kernel(lean=True)
-def _best_of(skin: Skin, corners: Corners, ring: Ring, p: int, count: int, allowed: float) -> int:
+def _best_of(skin: ThinnedSkin, corners: CornerLists, ring: Neighbours, p: int, count: int, allowed: float) -> int:
     """The neighbour whose fan is least off, at most `allowed` [m], and in `off[1]` how far; -1 if there is none."""
     best, least = -1, np.inf
     for k in range(count):
@@ -258,7 +258,7 @@ def _best_of(skin: Skin, corners: Corners, ring: Ring, p: int, count: int, allow
 
 
 @kernel(lean=True)
-def _collapse(skin: Skin, corners: Corners, ring: Ring, p: int, count: int, k: int) -> None:
+def _collapse(skin: ThinnedSkin, corners: CornerLists, ring: Neighbours, p: int, count: int, k: int) -> None:
     """Take p out; the faces beside neighbour k go, the others end there."""
     q = ring.point[k]
     for n in range(count):
@@ -281,7 +281,7 @@ def _collapse(skin: Skin, corners: Corners, ring: Ring, p: int, count: int, k: i
 
 
 @kernel(lean=True)
-def collapse_some(skin: Skin, corners: Corners, ring: Ring, rest: Bytes, allowed: float) -> int:
+def collapse_some(skin: ThinnedSkin, corners: CornerLists, ring: Neighbours, rest: Bytes, allowed: float) -> int:
     """Take out points none of which is a neighbour of another, no face ending up more than `allowed` [m] off; how many.
 
     A point that goes lays its corners into the list of its neighbour. `rest` (v,) and `mark` begin with zeros and -1.
@@ -303,7 +303,7 @@ def collapse_some(skin: Skin, corners: Corners, ring: Ring, rest: Bytes, allowed
 
 
 @kernel(lean=True)
-def ways_out(skin: Skin, way: Array, held: Array) -> None:
+def ways_out(skin: ThinnedSkin, way: Array, held: Array) -> None:
     """The way (v, 3) on which each point moves so that only faces leave their planes that have left them before.
 
     Its length is the area [m²] by which a move along the unit way changes the volume. `held` (v, 6) is room for two
@@ -330,7 +330,7 @@ def ways_out(skin: Skin, way: Array, held: Array) -> None:
 
 
 @kernel(lean=True)
-def _area(skin: Skin, f: int) -> tuple[float, float, float]:
+def _area(skin: ThinnedSkin, f: int) -> tuple[float, float, float]:
     """Twice the area vector [m²] of a face."""
     i, j, k = skin.faces[f, 0], skin.faces[f, 1], skin.faces[f, 2]
     ax, ay, az = (

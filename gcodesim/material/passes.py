@@ -89,6 +89,14 @@ class Passes:
         row[known], program[known] = rows[maker[known]], programs[maker[known]]
         return Makers(row=row, program=program, gap=gap)
 
+    def beside(self, point: Array, reach: float) -> Passes:
+        """Those that may come to within `reach` [m] of a point (3,)."""
+        pieces, rows, programs = self._joined()
+        near = _near(pieces, self._bodies(), point[None], reach) if len(rows) else np.zeros(0, dtype=bool)
+        own = Passes(lathe=self._lathe)
+        own._outlines, own._parts = self._outlines, [(_only(pieces, near), rows[near], programs[near])]
+        return own
+
     def _joined(self) -> tuple[PassPieces, Ints, Ints]:
         if not self._parts:
             none = np.zeros((0, 3))

@@ -84,6 +84,7 @@ MEASURES: Final[dict[str, Measure]] = {
         Measure("excess", "volume", "mm^3", r"target\.excess_mm3", sum, "left beyond the target"),
         Measure("least_deviation", "length", "mm", r"target\.least_deviation_mm", min, "deepest below the target"),
         Measure("most_deviation", "length", "mm", r"target\.most_deviation_mm", max, "farthest above the target"),
+        Measure("scallop", "length", "mm", r"target\.scallops\..+\.typical_mm", max, "ridges between passes"),
         Measure("outside", "ratio", "", r"target\.share_outside", max, "share of the target outside its tolerance"),
     )
 }

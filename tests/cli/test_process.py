@@ -94,3 +94,24 @@ def test_cases_that_cannot_be_read_are_refused(cli, tmp_path, text) -> None:
     done = cli("process", "--cases", tmp_path / "cases.json")
     assert (done.status, done.out) == (2, "")
     assert done.err.startswith("gcodesim: ") and done.err.count("\n") == 1
+
+
+def test_ridges_between_passes(cli) -> None:
+    """R = 5 mm and s = 2 mm: h = 5 - sqrt(24); on 60 degrees passes seen 1 mm apart are 2 mm apart along the face."""
+    height = 5.0 - 24.0**0.5
+
+    def found(*words: str) -> dict[str, float]:
+        done = cli("process", "scallop", "diameter=10 mm", *words, "--format", "json")
+        assert done.status == 0
+        return json.loads(done.out)["results"]
+
+    assert found("s=2 mm")["scallop_height_mm"] == pytest.approx(height, rel=1e-12)
+    assert found("step_over=1 mm", "slope=60 deg")["scallop_height_mm"] == pytest.approx(height, rel=1e-9)
+    assert found(f"h={height!r} mm")["step_over_mm"] == pytest.approx(2.0, rel=1e-9)
+    across = [5.0 - (25.0 - (k * 1e-3) ** 2) ** 0.5 for k in range(1001)]
+    assert found("s=2 mm")["mean_height_mm"] == pytest.approx(sum(across) / 1001, rel=1e-3)
+    bull = ("type=bull", "corner_radius=1 mm")
+    assert found(*bull, "s=8 mm")["scallop_height_mm"] == 0.0  # the flat reaches over
+    assert found(*bull, "s=9 mm")["scallop_height_mm"] == pytest.approx(1.0 - 0.75**0.5, rel=1e-9)
+    for words in (("s=11 mm",), ("h=6 mm",), (), ("s=1 mm", "h=1 mm"), ("s=1 mm", "type=bull")):
+        assert cli("process", "scallop", "diameter=10 mm", *words).status == 2
