@@ -347,7 +347,7 @@ def _target() -> Json:
             record("a loose piece", volume_mm3=number("its volume"), **place),
         ),
         scallops=array(
-            "ridges between passes, of each tool that made some of the part, in patches of its skin",
+            "ridges between passes of each tool with a round edge that made some of the part, in patches of its skin",
             record(
                 "a tool",
                 tool=whole("its number", least=0),

@@ -18,6 +18,7 @@ from gcodesim.jobs.skins import slack_of
 from gcodesim.jobs.target_result import MOST_REGIONS, LooseResult, MakerLine, RegionResult, TargetResult
 from gcodesim.motion.tool_path import HOME, RAPID
 from gcodesim.solids.mesh_file import MeshError
+from gcodesim.tools.cutter import Cutter
 from gcodesim.units import MM
 
 if TYPE_CHECKING:
@@ -70,7 +71,8 @@ def verify(job: Job, execution: Execution) -> tuple[TargetResult | None, list[Di
     regions = _told(deviation)
     skin = painted(job, placed, passes, (vertices, mesh.faces), tolerance, regions)
     job.painting[placed.name] = lambda: skin
-    radii = {number: 0.5 * float(getattr(tool, "diameter", 0.0)) for number, tool in cell.tools.items()}
+    rounded = {number: tool for number, tool in cell.tools.items() if isinstance(tool, Cutter) and tool.leaves_ridges}
+    radii = {number: tool.radius for number, tool in rounded.items()}
     result = replace(result, scallops=list(scallops_of(skin, radii, passes)))
     program = Span(job.program.name)
     totals = {True: (result.gouges, result.gouge), False: (result.excesses, result.excess)}

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from gcodesim.arithmetic.matrices import norms
+from gcodesim.arithmetic.matrices import dots, norms
 from gcodesim.frozen import frozen
 from gcodesim.material.skin import PaintedSkin, middles
 
@@ -23,8 +23,8 @@ FEWEST: Final = 24
 ACROSS: Final = 6.0
 """Size of a patch in mean sizes of a face, at least."""
 
-LEVEL: Final = 0.85
-"""A patch whose mean normal is shorter lies across an edge of the part, and says nothing of ridges."""
+LEVEL: Final = 0.8
+"""Cosine between the normals of a face and of its patch, at least: others lie across an edge of the part."""
 
 LOOKED_AT: Final = 24
 """Patches of a tool whose ridge is looked for between the faces: from the lowest to the highest, evenly."""
@@ -67,7 +67,7 @@ class _Patch(NamedTuple):
 
 
 def scallops_of(skin: PaintedSkin, radii: Mapping[int, float], passes: Passes) -> Iterator[Scallops]:
-    """The ridges of each tool that made enough of a skin; `radii` [m] by the numbers of tools.
+    """The ridges of each tool of those with `radii` [m] by their numbers that made enough of a skin.
 
     The skin of a tool is looked at in patches as wide as its radius. In each, a ridge is as high as its highest point
     is farther from the target than its lowest. So what the program leaves on for a later pass does not count, and the
@@ -79,10 +79,10 @@ def scallops_of(skin: PaintedSkin, radii: Mapping[int, float], passes: Passes) -
     area = 0.5 * norms(np.cross(b - a, c - a))
     tools = np.array([maker.tool for maker in skin.makers] or [0])
     tool = np.where(skin.maker >= 0, tools[skin.maker], -1)
-    for number in sorted(set(tool[tool >= 0].tolist())):
+    for number in sorted(radii.keys() & set(tool.tolist())):
         own = tool == number
         apart = float(np.sqrt(2.0 * area[own].mean()))
-        size = max(radii.get(number, 0.0), ACROSS * apart)
+        size = max(radii[number], ACROSS * apart)
         patches = _patches(middle[own], normal[own], area[own], skin.deviation[own], (size, apart))
         if not patches:
             continue
@@ -106,10 +106,10 @@ def _patches(middle: Array, normal: Array, area: Array, deviation: Array, sizes:
     found = []
     for own in np.split(order, np.flatnonzero(np.diff(number[order])) + 1):
         mean = (area[own, None] * normal[own]).sum(axis=0)
-        length, whole = float(norms(mean[None])[0]), float(area[own].sum())
-        if len(own) >= FEWEST and length >= LEVEL * whole:
+        mean /= max(float(norms(mean[None])[0]), 1e-300)
+        if len(own) >= FEWEST and float(dots(normal[own], mean).min()) >= LEVEL:
             low, high = float(deviation[own[0]]), float(deviation[own[-1]])
-            found.append(_Patch(whole, mean / length, middle[own[-1]], high, low, apart))
+            found.append(_Patch(float(area[own].sum()), mean, middle[own[-1]], high, low, apart))
     return sorted(found, key=lambda patch: patch.highest - patch.lowest)
 
 

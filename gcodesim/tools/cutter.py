@@ -152,6 +152,11 @@ class Cutter(Tool):
         """
         return np.array(self._edge_pieces(), dtype=np.float64).reshape(-1, 8)
 
+    @property
+    def leaves_ridges(self) -> bool:
+        """Whether passes side by side leave ridges between them: a part of the edge is round."""
+        return bool((self.edge[:, 0] > 0.0).any())
+
     def _edge_pieces(self) -> list[tuple[float, ...]]:
         raise NotImplementedError
 

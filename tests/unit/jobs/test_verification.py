@@ -181,7 +181,7 @@ def test_a_printed_part_that_ends_early_lacks_its_end(tmp_path):
 
 @pytest.mark.parametrize("left", [0.0, 0.05])
 def test_ridges_of_a_ball_are_as_high_as_their_formula(outcome, left):
-    """R - sqrt(R^2 - (s/2)^2), also above a face that was not finished; passes know a ball by 24 chords, 2 um inside."""
+    """R - sqrt(R^2 - (s/2)^2), also above a face that was not finished; passes know a ball by chords."""
     radius, step = 4.0, 1.5
     rows = [f"G0 X-5 Y{y:g} Z2\nG1 Z{left - 1:g} F2000\nX45" for y in np.arange(-3.0, 33.1, step)]
     ball = f"{{type: ball_end_mill, diameter: {2 * radius}, length: 40}}"
@@ -194,5 +194,4 @@ def test_ridges_of_a_ball_are_as_high_as_their_formula(outcome, left):
 
 
 def test_a_flat_mill_leaves_no_ridges(outcome):
-    (ridges,) = outcome(GOOD, SLOTTED).as_json()["target"]["scallops"]
-    assert ridges["typical_mm"] < 0.002
+    assert outcome(GOOD, SLOTTED).as_json()["target"]["scallops"] == []
