@@ -96,13 +96,13 @@ class TipLoad(NamedTuple):
     torque: float
 
 
-@kernel(lean=True, inlined=True)
+@kernel(lean=True)
 def is_blurred(chips: Chips, row: Array, line: Array) -> bool:
-    """Whether a row is so near to the axis that a wall is soft over more angles than `lay_row` bears.
+    """Whether a row of a flat bottom is so near to the axis that a wall is soft over more angles than `lay_row` bears.
 
-    Asked of a flat bottom only, which advances all the way round or nowhere.
+    A flat bottom advances all the way round or nowhere.
     """
-    if row[SIN_KAPPA] > UPRIGHT or chips.blur <= SOFTEST * ONE * row[RADIUS]:
+    if chips.blur <= SOFTEST * ONE * row[RADIUS]:
         return False
     least, most = 2.0, 0.0
     for k in range(ANGLES):
@@ -140,8 +140,6 @@ def lay_row(chips: Chips, row: Array, line: Array, stretches: Array, number: int
     An angle at the end of one is in contact in as large a part as it has of the share beside it, unless the edge begins
     or ceases to advance there. Both points enter and leave at the phi of the row's middle.
     """
-    if is_blurred(chips, row, line):
-        return lay_blurred(chips, row, line, stretches, number)
     sines, sine, fall = chips.circle.sines, chips.level * row[SIN_KAPPA], chips.climb * row[COS_KAPPA]
     k, end = int(row[FROM]), int(row[TO])
     while k < end:
@@ -263,7 +261,10 @@ def lay_stretches(teeth: Teeth, chips: Chips, room: Room, used: int, stretches: 
                 stretches[k, WIDE] += row[EDGE_WIDTH]
                 stretches[k, LATE_HIGH] = late * row[HIGH]
             continue
-        number = lay_row(chips, row, weights[i], stretches, end)
+        if row[SIN_KAPPA] <= UPRIGHT and is_blurred(chips, row, weights[i]):
+            number = lay_blurred(chips, row, weights[i], stretches, end)
+        else:
+            number = lay_row(chips, row, weights[i], stretches, end)
         for k in range(end, number):
             stretches[k, LATE_LOW], stretches[k, LATE_HIGH] = late * row[LOW], late * row[HIGH]
             stretches[k, ROW_OF] = i
