@@ -54,7 +54,7 @@ class Scallop(Model):
             round_ = max(self.step_over / lean - flat, 0.0)
             if round_ > 2.0 * radius:
                 raise CannotComputeError(f"passes {self.step_over / MM:g} mm apart leave a wall between them")
-            height, along = radius - sqrt(radius**2 - 0.25 * round_**2), self.step_over / lean
+            height, along = radius - sqrt(radius * radius - 0.25 * round_ * round_), self.step_over / lean
         else:
             assert self.scallop_height is not None
             height = self.scallop_height
@@ -83,5 +83,5 @@ class Scallop(Model):
 def _below_circle(radius: float, width: float) -> float:
     """Area [m²] between a circle that touches a line and the line, over a width of it."""
     half = 0.5 * width
-    rise = sqrt(max(radius**2 - half**2, 0.0))
-    return 2.0 * radius * half - half * rise - radius**2 * asin(min(half / radius, 1.0))
+    rise = sqrt(max(radius * radius - half * half, 0.0))
+    return 2.0 * radius * half - half * rise - radius * radius * asin(min(half / radius, 1.0))

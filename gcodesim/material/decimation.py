@@ -66,7 +66,7 @@ def _collapsed(surface: Surface, allowed: float) -> tuple[Surface, np.ndarray, f
         while gone:
             ring.mark[:] = -1
             rest = np.zeros(len(points), dtype=np.uint8)
-            gone = collapse_some(skin, corners, ring, rest, allowed * 4.0 ** (stage + 1 - STAGES))
+            gone = collapse_some(skin, corners, ring, rest, allowed * 2.0 ** (2 * (stage + 1 - STAGES)))
     way = np.zeros_like(points)
     ways_out(skin, way, np.zeros((len(points), 6)))
     left = faces[:, 0] >= 0

@@ -178,7 +178,8 @@ def _fan_off(skin: ThinnedSkin, ring: Neighbours, count: int, k: int, sliver: fl
             continue
         ax, ay, bx, by = place[n, 0] - x, place[n, 1] - y, place[m, 0] - x, place[m, 1] - y
         area = ax * by - ay * bx
-        longest = max(ax * ax + ay * ay, bx * bx + by * by, (bx - ax) ** 2 + (by - ay) ** 2)
+        cx, cy = bx - ax, by - ay
+        longest = max(ax * ax + ay * ay, bx * bx + by * by, cx * cx + cy * cy)
         if area <= sliver * sqrt(longest):
             return np.inf
         s, t = (-x * by + y * bx) / area, (-ax * y + ay * x) / area  # where the point that goes is in this face

@@ -119,7 +119,8 @@ def _top(patch: _Patch, passes: Passes) -> float:
     along = np.cross(normal, np.eye(3)[int(np.argmin(np.abs(normal)))])
     along /= norms(along[None])[0]
     across = np.cross(normal, along)
-    grid = np.stack(np.meshgrid(*[np.linspace(-1.0, 1.0, 5)] * 2), axis=-1).reshape(-1, 2) @ np.stack([along, across])
+    u, v = (places.reshape(-1, 1) for places in np.meshgrid(np.linspace(-1.0, 1.0, 5), np.linspace(-1.0, 1.0, 5)))
+    grid = u * along + v * across
     at, reach, highest = patch.place - patch.highest * normal, patch.apart, patch.highest
     near = passes.beside(patch.place, 2.0 * reach + abs(patch.highest))
     for _ in range(ROUNDS):

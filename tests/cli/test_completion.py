@@ -192,7 +192,7 @@ def test_every_value_says_what_it_may_be() -> None:
     assert free - lengths == {
         *("N", "S", "DAY", "PORT", "ORIGIN", "T", "FROM:TO", "FIRST:LAST", "NAME=VALUE", "NAME=PROGRAM", "A,B", "NAME"),
         *("NAME=OUTPUT", "HOST:PORT", "DEG", "CHANNEL", "CHANNEL/OTHER=OUTPUT:INPUT"),
-        *("0|1", "FACTOR", "STEP", "OPTIONS", "ADDRESS", "AXIS=PLACE"),
+        *("0|1", "FACTOR", "STEP", "OPTIONS", "ADDRESS", "AXIS=PLACE", "DISTANCE"),
     }
 
 
