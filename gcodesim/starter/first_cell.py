@@ -8,10 +8,11 @@ from typing import Final
 from gcodesim.canon.systems import name_of_system
 from gcodesim.diagnostics import SourceText
 from gcodesim.frozen import frozen
+from gcodesim.starter.named_beam import NamedBeam
 from gcodesim.starter.lathe_cell import LatheCell
 from gcodesim.starter.printer_cell import PrinterCell, is_print
 from gcodesim.starter.scan import Scan, ScannedTool, scan
-from gcodesim.starter.survey import Reach, Survey, survey
+from gcodesim.starter.survey import Bounds, Reach, Survey, survey
 from gcodesim.tools.cutter import usual_length
 from gcodesim.units import INCH, MM
 
@@ -22,6 +23,8 @@ _GAP: Final = 50.0 * MM
 _THIN: Final = 1.0 * MM  # a shallower cut says nothing about the thickness
 _NEAR_A_SIDE: Final = 0.25
 _SHEET: Final = 3.0 * MM
+_RIM: Final = 5.0 * MM  # of a sheet around what a beam cuts
+_COLUMNS: Final = 1_000_000
 _FLOOR: Final = 1.0 * MM  # left below the deepest cut: a slot as deep as a guessed stock would part it
 _NO_END: Final = "GS010"
 _GUESSED: Final = {"drill": 5.0 * MM, "flat_end_mill": 6.0 * MM}
@@ -98,6 +101,7 @@ class FirstCell:
     found: Scan
     seen: Survey
     tools: list[FirstTool]
+    beam: NamedBeam | None
 
     @staticmethod
     def of(program: SourceText) -> FirstCell:
@@ -105,7 +109,9 @@ class FirstCell:
         found, seen = scan(program), survey(program)
         if seen.foreign:
             raise NoCellError(f"{program.name} is a program for {seen.foreign}")
-        return FirstCell(program=program.name, found=found, seen=seen, tools=_tools(found, seen))
+        beam = None if seen.lathe or seen.rotary else NamedBeam.of(program)
+        tools = [] if beam is not None else _tools(found, seen)
+        return FirstCell(program=program.name, found=found, seen=seen, tools=tools, beam=beam)
 
     def text(self) -> bytes:
         """The cell file."""
@@ -163,6 +169,8 @@ class FirstCell:
             lines.append(f"loaded_tool: {number}    # {why}")
         if whole and self.tools and not self.seen.changes and not self.seen.spins:
             checks.append(("GS501: note", "the program never starts the spindle: somebody does it by hand"))
+        if self.beam is not None:
+            lines += ["loaded_tool: 1", self.beam.switch_line(self.seen.dialect)]
         if checks:
             codes, reasons = zip(*checks, strict=True)
             lines.append(f"checks: {{{', '.join(codes)}}}    # {'; '.join(reasons)}")
@@ -208,7 +216,8 @@ class FirstCell:
     @property
     def _longest(self) -> float:
         """The longest tool [m], by the cell or by words of the program."""
-        return max([self.seen.lift, *(tool.length for tool in self.tools)])
+        beam = 0.0 if self.beam is None else self.beam.length
+        return max([self.seen.lift, beam, *(tool.length for tool in self.tools)])
 
     def _zeros_by_system(
         self, zeros: dict[int, tuple[float, float, float]]
@@ -234,7 +243,8 @@ class FirstCell:
                 if max(high[k] - middle[k], middle[k] - low[k]) > 0.48 * _ROUTER[k]:
                     return False
             top = 0.0 if box is None else float(box[1][2])
-            longest = max((tool.length for tool in self.tools), default=0.0)
+            beam = 0.0 if self.beam is None else self.beam.length
+            longest = max((tool.length for tool in self.tools), default=beam)
             if seen.lift > longest or high[2] - top > _ABOVE or top - low[2] > _ROUTER_Z - 0.1 - longest:
                 return False
         return True
@@ -282,6 +292,8 @@ class FirstCell:
         """The box of material in a work system [m]; None where nothing is cut into a depth."""
         if self.found.corners is not None:
             return tuple([v * self._unit for v in corner] for corner in self.found.corners)  # type: ignore[return-value]
+        if self.beam is not None:
+            return None if reach.fed is None else _sheet(reach.fed)
         if reach.cut is None or reach.cut[1][2] - reach.cut[0][2] < 1e-6:
             return None
         low, high = [float(v) for v in reach.cut[0]], [float(v) for v in reach.cut[1]]
@@ -306,7 +318,7 @@ class FirstCell:
         boxes = self.boxes
         if not boxes:
             return [
-                "# nothing is fed into a depth: a beam, jet or pen, which are not simulated, or no cut at all",
+                "# nothing is fed into a depth: a pen, a beam that no comment names, or no cut at all",
                 "# stock: {box: [100, 60, 20], zero: top-front-left, material: al6082_t6}",
             ]
         if self.seen.rotary or self.seen.lathe:
@@ -315,6 +327,8 @@ class FirstCell:
                 f"# {turns}, where to is not known, so there is no stock:",
                 "# stock: {box: [100, 60, 20], in: G54}",
             ]
+        if self.beam is not None:
+            return self._sheets(boxes, self.beam)
         if self.found.corners is not None or self.found.stock is not None:
             source = f"# size from line {self.found.stock_line}; "
             source += (
@@ -336,9 +350,26 @@ class FirstCell:
             )
         return lines
 
+    def _sheets(self, boxes: dict[int, tuple[list[float], list[float]]], beam: NamedBeam) -> list[str]:
+        """A sheet under each system in which the beam works."""
+        sheets = []
+        for index, (low, high) in boxes.items():
+            area = (high[0] - low[0]) * (high[1] - low[1])
+            grain = max(beam.diameter / 2.0, math.sqrt(area / _COLUMNS))
+            own = "" if index == 1 else f", in: {name_of_system(index)}"
+            corners = f"min: [{self._list(low)}], max: [{self._list(high)}]{own}"
+            resolution = f"{round(grain / MM, 2):g} mm"
+            sheets.append((index, f"{{{corners}, material: {beam.material}, resolution: {resolution}}}"))
+        source = "# a guess from where the beam goes, its top where the tip is: put in the real sheet"
+        if len(sheets) == 1:
+            return [source, f"stock: {sheets[0][1]}"]
+        return [source, "stock:", *(f"  sheet_{index}: {text}" for index, text in sheets)]
+
     # -- tools
 
     def tools_lines(self) -> list[str]:
+        if self.beam is not None:
+            return self.beam.tool_lines()
         if not self.tools:
             return ["# no tool cuts, so none is needed:", "# tools:", "#   1: {type: flat_end_mill, diameter: 6 mm}"]
         lines = ["tools:"]
@@ -369,6 +400,13 @@ class FirstCell:
                         f"  {number}: {text}",
                     ]
         return lines
+
+
+def _sheet(fed: Bounds) -> tuple[list[float], list[float]]:
+    """A sheet [m] around feeds, its top at the lowest of them."""
+    low, high = [float(v) - _RIM for v in fed[0]], [float(v) + _RIM for v in fed[1]]
+    top = float(fed[0][2])
+    return [*low[:2], top - _SHEET], [*high[:2], top]
 
 
 def _around(low: list[float], high: list[float], size: list[float]) -> tuple[list[float], list[float]]:

@@ -30,13 +30,16 @@ def guesses_of(cell: FirstCell | PrinterCell | LatheCell) -> list[str]:
         return cell.guesses
     guessed = [] if cell.told_stock or not cell.boxes else ["the stock"]
     guessed += ["the material"] if cell.boxes else []
+    guessed += ["the beam"] if cell.beam is not None else []
     return [*guessed, *(f"the diameter of T{tool.scanned.number}" for tool in cell.tools if tool.guessed)]
 
 
 def _tools(cell: FirstCell) -> Iterator[tuple[str, str]]:
     for place, tool in enumerate(cell.tools):
         yield "" if place else "tools", _tool(cell, tool)
-    if not cell.tools:
+    if cell.beam is not None:
+        yield "tools", f"a {cell.beam.kind} (line {cell.beam.line} names it)"
+    elif not cell.tools:
         yield "tools", "none is called"
 
 

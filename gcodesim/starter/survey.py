@@ -45,7 +45,7 @@ _O_NUMBER = re.compile(r"(?:O[0-9]{3,8}|:[0-9]{4})(?![0-9])", re.IGNORECASE)
 _FANUC_FLOW = re.compile(
     r"\bIF\s*\[.{0,250}?GOTO|\bWHILE\s*\[.{0,250}?\bDO\s*[123]|(?<![A-Za-z])G65\s*P|M98\s*P", re.IGNORECASE
 )
-_GRBL = re.compile(r"\bgrbl\b", re.IGNORECASE)
+_GRBL = re.compile(r"\bgrbl\b|laser|lightburn", re.IGNORECASE)  # most lasers have it or behave as it does
 _HOLES: Final = frozenset(f"G{number}" for number in (73, 74, 76, *range(81, 90)))
 
 Bounds = tuple[Array, Array]
@@ -83,13 +83,14 @@ class _Moves:
 class Reach:
     """Where the program goes in a work system [m]: the box of all moves, and that of the material cut, when it is told.
 
-    `cut` is flat in Z if nothing is cut in depth. `plunges` (n, 3) are x, y and tool number of the places at
+    `cut` is flat in Z if nothing is cut in depth, `fed` is the box of all feeds, whatever the height. `plunges` (n, 3) are x, y and tool number of the places at
     which a rapid ends below its top, where there can be no material; `early` (n, 3) are the ends of rapids before the
     first feed.
     """
 
     all: Bounds
     cut: Bounds | None
+    fed: Bounds | None
     plunges: Array
     early: Array
 
@@ -211,8 +212,8 @@ def _told_dialect(program: SourceText) -> tuple[str, str]:
             return "fanuc", f"program number in line {number}"
         if _FANUC_FLOW.search(words):
             return "fanuc", f"`{words[:24]}` in line {number}"
-        if words != text.strip() and _GRBL.search(text):
-            return "grbl", f"line {number} names it"
+        if words != text.strip() and (named := _GRBL.search(text)):
+            return "grbl", f"line {number} names {'it' if named[0].lower() == 'grbl' else 'a laser'}"
     has_change = re.search(rb"[mM][ \t]*0*6(?![0-9])|[gG][ \t]*4[123](?![0-9.])|[gG]8[1-9]|#", program.raw)
     has_end = re.search(rb"[mM][ \t]*0*(?:2|30)(?![0-9])", program.raw)
     if has_change is None and has_end is None:
@@ -401,7 +402,9 @@ def _reach(moves: _Moves) -> Reach | None:
     risen = np.frombuffer(bytes(moves.risen), dtype=np.uint8).astype(bool)
     cut = _cut(feeds[~risen])
     deep = rapids[rapids[:, 2] < (cut[1][2] - 10 * _TINY if cut is not None else -np.inf)]
-    return Reach(all=_box(cloud), cut=cut, plunges=deep[:, [0, 1, 3]], early=np.array(moves.early).reshape(-1, 3))
+    fed = _box(feeds.reshape(-1, 3)) if len(feeds) else None
+    early = np.array(moves.early).reshape(-1, 3)
+    return Reach(all=_box(cloud), cut=cut, fed=fed, plunges=deep[:, [0, 1, 3]], early=early)
 
 
 def _cut(feeds: Array) -> Bounds | None:

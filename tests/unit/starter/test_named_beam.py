@@ -1,0 +1,96 @@
+"""`init --from` for lasers, plasma torches and water jets: what programs of their makers say gives a cell that cuts."""
+
+from pathlib import Path
+
+import pytest
+
+from gcodesim.cell.loader import read_cell
+from gcodesim.diagnostics import Severity, SourceText
+from gcodesim.simulation import Options, prepare, run
+from gcodesim.starter.first_cell import cell_for
+
+LASER = """;Inkscape Lasertools G-code
+G90
+G21
+M03 S1
+G00 X8 Y7 F3000
+S90
+G01 Y27 F120
+S1
+G00 X9 Y30 F3000
+S90
+G01 X29 F120
+M05 S0
+"""
+LIGHTBURN = """; LightBurn 1.4.03
+; GRBL device profile, absolute coords
+; Bounds: X20 Y30 to X40 Y50
+G00 G17 G40 G21 G54
+G90
+M4
+; Cut @ 5 mm/sec, 80% power
+M8
+G0 X20Y30
+; Layer C00
+G1 X40S800F300
+G1 Y50
+G1 X20
+G1 Y30
+M9
+G1 S0
+M5
+G90
+; return to user-defined finish pos
+G0 X0 Y0
+M2
+"""
+PLASMA = """(Generated with: DXF2GCODE)
+G21 (Units in millimeters)
+G90 (Absolute programming)
+S11
+G0 X 32.351 Y  32.351
+M3 (plasma on)
+G4 P0.5 (pause to pierce)
+F450
+G2 X  14.249 Y  14.249 I  -9.051 J  -9.051
+G2 X  32.351 Y  32.351 I   9.051 J   9.051
+M5 (plasma off)
+M2
+"""
+JET = """(WAZER waterjet)
+G21 G90
+G0 X10 Y10
+M3
+G4 P1
+G1 X40 F60
+G1 Y30
+M5
+M30
+"""
+
+
+@pytest.mark.parametrize(
+    ("text", "kind", "dialect"),
+    [(LASER, "laser", "grbl"), (LIGHTBURN, "laser", "grbl"), (PLASMA, "plasma", "linuxcnc"), (JET, "jet", "linuxcnc")],
+    ids=["inkscape", "lightburn", "plasma", "jet"],
+)
+def test_a_beam_takes_what_it_goes_over(text: str, kind: str, dialect: str) -> None:
+    program = SourceText("part.nc", text.encode())
+    loaded = read_cell(SourceText("cell.yaml", cell_for(program)), Path("cell.yaml"))
+    assert loaded.cell is not None, [f.message for f in loaded.findings]
+    assert (loaded.cell.tools[1].kind, loaded.cell.channels["main"].dialect) == (kind, dialect)
+
+    results, _ = run(prepare(program, loaded, Options(world="kinematic")), None)
+
+    assert [f.code for f in results.findings if f.level > Severity.NOTE] in ([], ["GS440"])
+    (stock,) = results.stocks.values()
+    assert stock.removed > 1e-9
+    assert results.tools[0]["beam_s"] > 0.0
+
+
+def test_a_mill_that_only_speaks_of_a_laser_stays_a_mill() -> None:
+    text = "(engrave by laser later)\nG21 G90\nT1 M6\nG43 H1\nS8000 M3\nG0 X0 Y0 Z5\nG1 Z-2 F200\nG1 X40\nG0 Z5\nM2\n"
+    loaded = read_cell(SourceText("c.yaml", cell_for(SourceText("p.nc", text.encode()))), Path("c.yaml"))
+
+    assert loaded.cell is not None
+    assert loaded.cell.tools[1].kind == "flat_end_mill"
