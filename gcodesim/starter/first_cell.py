@@ -8,8 +8,8 @@ from typing import Final
 from gcodesim.canon.systems import name_of_system
 from gcodesim.diagnostics import SourceText
 from gcodesim.frozen import frozen
-from gcodesim.starter.named_beam import NamedBeam
 from gcodesim.starter.lathe_cell import LatheCell
+from gcodesim.starter.named_beam import NamedBeam
 from gcodesim.starter.printer_cell import PrinterCell, is_print
 from gcodesim.starter.scan import Scan, ScannedTool, scan
 from gcodesim.starter.survey import Bounds, Reach, Survey, survey
@@ -196,12 +196,15 @@ class FirstCell:
             begins_high = k == 2 and bool(self.seen.own) and not self.seen.from_zero
             if begins_high:  # zero may be low, and the first rapid then goes up through the stock
                 home = high
-            at = f", home: {home / MM:g} mm" if self.seen.from_zero or begins_high else ""
+            stays = k == 2 and self._stays_level
+            at = f", home: {home / MM:g} mm" if self.seen.from_zero or begins_high or stays else ""
             lines.append(f"    {letter}: {{travel: [{low / MM:g}, {high / MM:g} mm], speed: {speed}{at}}}")
         for letter in self.seen.rotary:
             lines.append(
                 f"    {letter}: {{travel: unlimited, speed: 90 deg/s, side: table}}  # time only without `at:`"
             )
+        if self._stays_level:
+            lines.append("# the program never moves Z: the tip is at its height from the start")
         if self.seen.from_zero:
             lines.append("# the program counts from where it starts: `home` is its zero, the tool on the material")
         if self.seen.own:
@@ -212,6 +215,12 @@ class FirstCell:
             place = ", ".join(f"{value / MM + 0.0:g}" for value in zero)
             lines.append(f"  {name_of_system(index)}: {{xyz: [{place} mm]}}")
         return lines
+
+    @property
+    def _stays_level(self) -> bool:
+        """Whether a beam is never moved up or down."""
+        heights = [reach.all for reach in self.seen.systems.values()]
+        return self.beam is not None and all(high[2] - low[2] < 1e-6 for low, high in heights)
 
     @property
     def _longest(self) -> float:
@@ -228,7 +237,7 @@ class FirstCell:
         seen = self.seen
         if not any(self._stock_box(reach) for reach in seen.systems.values()):
             return not seen.systems  # without stock nothing places the work
-        if seen.rotary or seen.lathe or seen.from_zero or seen.own or list(seen.systems) != [1]:
+        if seen.rotary or seen.lathe or seen.from_zero or seen.own or list(seen.systems) != [1] or self._stays_level:
             return False
         if seen.machine is not None:
             low, high = seen.machine
@@ -355,7 +364,7 @@ class FirstCell:
         sheets = []
         for index, (low, high) in boxes.items():
             area = (high[0] - low[0]) * (high[1] - low[1])
-            grain = max(beam.diameter / 2.0, math.sqrt(area / _COLUMNS))
+            grain = max(beam.diameter / 4.0, math.sqrt(area / _COLUMNS))
             own = "" if index == 1 else f", in: {name_of_system(index)}"
             corners = f"min: [{self._list(low)}], max: [{self._list(high)}]{own}"
             resolution = f"{round(grain / MM, 2):g} mm"

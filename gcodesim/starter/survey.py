@@ -83,9 +83,9 @@ class _Moves:
 class Reach:
     """Where the program goes in a work system [m]: the box of all moves, and that of the material cut, when it is told.
 
-    `cut` is flat in Z if nothing is cut in depth, `fed` is the box of all feeds, whatever the height. `plunges` (n, 3) are x, y and tool number of the places at
-    which a rapid ends below its top, where there can be no material; `early` (n, 3) are the ends of rapids before the
-    first feed.
+    `cut` is flat in Z if nothing is cut in depth, `fed` is the box of all feeds, whatever the height. `plunges` (n, 3)
+    are x, y and tool number of the places at which a rapid ends below its top, where there can be no material; `early`
+    (n, 3) are the ends of rapids before the first feed.
     """
 
     all: Bounds
