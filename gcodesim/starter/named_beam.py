@@ -19,7 +19,7 @@ _WORDS: Final[dict[BeamKind, re.Pattern[bytes]]] = {
 }
 _POWER = re.compile(rb"(?<![A-Za-z#<])[Ss][ \t]*([0-9]+\.?[0-9]*|\.[0-9]+)")
 _CHANGE = re.compile(rb"(?<![A-Za-z#<])[Mm]0*6(?![0-9])")
-_SCALES: Final = (1.0, 100.0, 255.0, 1000.0, 10_000.0)  # usual numbers of full power
+_SCALES: Final = (100.0, 255.0, 1000.0, 10_000.0)  # usual numbers of full power
 _TOOLS: Final[dict[BeamKind, tuple[str, str]]] = {
     "laser": (
         "type: laser, power: 10 W, diameter: 0.2 mm, wavelength: 0.455 um, absorptivity: 0.8, "
