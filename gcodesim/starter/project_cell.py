@@ -76,7 +76,13 @@ def cell_of_project(project: Project) -> bytes:
     tools = [*(_measured(tool) for tool in own), *guessed]
     made = replace(first, found=replace(first.found, corners=corners), tools=tools)
     return _CellOfProject(
-        program=made.program, found=made.found, seen=made.seen, tools=made.tools, project=project, own=tuple(own)
+        program=made.program,
+        found=made.found,
+        seen=made.seen,
+        tools=made.tools,
+        beam=None,  # CAMotics knows mills alone
+        project=project,
+        own=tuple(own),
     ).text()
 
 
