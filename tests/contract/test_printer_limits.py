@@ -32,7 +32,7 @@ dialect: marlin
 tools: {0: {type: extruder, bead_width: 0.6, bead_height: 0.3, length: 40}}
 """
 BESIDE = 1e-7  # [s] of the ends of phases, at which speeds are asked for
-ROUNDING = 1e-9  # of limits
+ROUNDING = 1e-7  # of limits: accelerations are differences of speeds over phases of a few times BESIDE
 
 
 @dataclass(frozen=True)
