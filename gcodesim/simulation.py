@@ -363,7 +363,7 @@ def _run(
         elif out is not None and job.shop is not None:
             from gcodesim.recorder.result_files import write_files
 
-            write_files(out, job.shop, results, job.painting, shapes=only != "force")
+            write_files(out, job.shop, results, job.skins, shapes=only != "force")
     finally:
         if recorder is not None:
             recorder.abandon()

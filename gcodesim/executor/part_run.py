@@ -19,9 +19,8 @@ from gcodesim.executor.switching import Switching
 from gcodesim.frames import WORLD, Array, Pose
 from gcodesim.frozen import frozen
 from gcodesim.processes.gripping import GRIP, GripEvent, Slid
-from gcodesim.scene import CarriedParts, Fall, Hold, PartChange, Past, Stay
-from gcodesim.shop import BODIES, Shop
-from gcodesim.solids import Triangles, triangles_of
+from gcodesim.scene import Body, CarriedParts, Fall, Hold, PartChange, Past, Stay
+from gcodesim.shop import BODIES, Shop, skin_of
 from gcodesim.solids.mass import MassOfSkin, mass_of_skin
 from gcodesim.solids.resting import SUNK, gap_below
 from gcodesim.tools.gripper import PadFaces
@@ -75,12 +74,12 @@ class PartRun:
         self.planned, self.ran = CarriedParts(shop.scene, moving), CarriedParts(shop.scene, moving)
         self.names = tuple(self.planned.bodies)
         self.gravity = np.array(STANDARD_GRAVITY)
-        self.skins = {name: _skin_of(body.solids) for name, body in self.planned.bodies.items()}
+        self.skins = {name: _skin_of(body) for name, body in self.planned.bodies.items()}
         self.masses: dict[str, MassOfSkin] = {
             name: mass_of_skin(*self.skins[name], body.mass or 0.0) for name, body in self.planned.bodies.items()
         }
         self._fixtures = {
-            body.name: _skin_of(body.solids)
+            body.name: _skin_of(body)
             for body in shop.scene.bodies
             if body.role in ("fixture", "obstacle") and body.solids
         }
@@ -446,16 +445,9 @@ def angle_between(one: Array, other: Array) -> float:
     return sine if cosine > 0.999999 else float(acos(np.clip(cosine, -1.0, 1.0)))
 
 
-def _skin_of(solids: Sequence[object]) -> Skin:
-    points: list[Array] = []
-    faces: list[NDArray[np.int32]] = []
-    count = 0
-    for placed in solids:
-        skin: Triangles = triangles_of(placed.solid)  # type: ignore[attr-defined]
-        points.append(placed.X.apply(skin.points))  # type: ignore[attr-defined]
-        faces.append(skin.faces + count)
-        count += len(skin.points)
-    return np.concatenate(points), np.concatenate(faces).astype(np.int32)
+def _skin_of(body: Body) -> Skin:
+    skin = skin_of(body)
+    return skin.points, skin.faces
 
 
 def _moved(skin: Skin, X: Pose) -> Skin:

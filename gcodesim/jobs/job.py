@@ -114,7 +114,7 @@ class Job:
     fallen: dict[str, list[FallenPiece]] = field(default_factory=dict)  # out of which stock
     sources: dict[str, SourceText] = field(default_factory=dict)
     target: TargetResult | None = None  # the finished stock against the target
-    painting: dict[str, Callable[[], PaintedSkin]] = field(default_factory=dict)  # how the skin of that stock is made
+    skins: dict[str, PaintedSkin] = field(default_factory=dict)  # of stocks that were compared with it, by name
 
     @property
     def cell(self) -> Cell | None:

@@ -70,7 +70,7 @@ def verify(job: Job, execution: Execution) -> tuple[TargetResult | None, list[Di
     tolerance = cell.target.tolerance
     regions = _told(deviation)
     skin = painted(job, placed, passes, (vertices, mesh.faces), tolerance, regions)
-    job.painting[placed.name] = lambda: skin
+    job.skins[placed.name] = skin
     rounded = {number: tool for number, tool in cell.tools.items() if isinstance(tool, Cutter) and tool.leaves_ridges}
     radii = {number: tool.radius for number, tool in rounded.items()}
     result = replace(result, scallops=list(scallops_of(skin, radii, passes)))

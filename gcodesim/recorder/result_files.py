@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 
 from gcodesim.files.output_folder import FILM_SUFFIXES, LINES_NAME, RESULTS_NAME, SKIN_SUFFIX
@@ -11,20 +11,20 @@ from gcodesim.jobs.results import Results
 from gcodesim.material.skin import PaintedSkin
 from gcodesim.shop import Shop
 
-Painting = Mapping[str, Callable[[], PaintedSkin]]
 
-
-def write_files(out: Path, shop: Shop, results: Results, painting: Painting, *, shapes: bool = True) -> None:
+def write_files(
+    out: Path, shop: Shop, results: Results, skins: Mapping[str, PaintedSkin], *, shapes: bool = True
+) -> None:
     """Write the results of a run in `shop` into the folder `out`, with `shapes` those of stocks and films, too.
 
-    `painting` makes the painted skins of stocks by their names.
+    `skins` are those of the stocks that were compared with a target, by their names.
     """
     write_whole(out / RESULTS_NAME, results.text().encode())
     write_whole(out / LINES_NAME, results.lines_csv().encode())
     if shapes:
         _write_stocks(out, shop)
         _write_films(out, shop)
-        _write_skins(out, painting)
+        _write_skins(out, skins)
 
 
 def _write_stocks(out: Path, shop: Shop) -> None:
@@ -58,9 +58,9 @@ def _write_films(out: Path, shop: Shop) -> None:
             write_table(film, file, in_part=coated.in_part)
 
 
-def _write_skins(out: Path, painting: Painting) -> None:
-    for name, paint in painting.items():
+def _write_skins(out: Path, skins: Mapping[str, PaintedSkin]) -> None:
+    for name, skin in skins.items():
         from gcodesim.material.skin_file import write_skin
 
         with whole_file(out / f"{name}{SKIN_SUFFIX}") as file:
-            write_skin(paint(), file)
+            write_skin(skin, file)

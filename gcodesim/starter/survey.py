@@ -45,7 +45,7 @@ _O_NUMBER = re.compile(r"(?:O[0-9]{3,8}|:[0-9]{4})(?![0-9])", re.IGNORECASE)
 _FANUC_FLOW = re.compile(
     r"\bIF\s*\[.{0,250}?GOTO|\bWHILE\s*\[.{0,250}?\bDO\s*[123]|(?<![A-Za-z])G65\s*P|M98\s*P", re.IGNORECASE
 )
-_GRBL = re.compile(r"\bgrbl\b|laser|lightburn", re.IGNORECASE)  # most lasers have it or behave as it does
+_LIKE_GRBL = re.compile(r"\bgrbl\b|laser|lightburn", re.IGNORECASE)  # most lasers have it or behave as it does
 _HOLES: Final = frozenset(f"G{number}" for number in (73, 74, 76, *range(81, 90)))
 
 Bounds = tuple[Array, Array]
@@ -212,7 +212,7 @@ def _told_dialect(program: SourceText) -> tuple[str, str]:
             return "fanuc", f"program number in line {number}"
         if _FANUC_FLOW.search(words):
             return "fanuc", f"`{words[:24]}` in line {number}"
-        if words != text.strip() and (named := _GRBL.search(text)):
+        if words != text.strip() and (named := _LIKE_GRBL.search(text)):
             return "grbl", f"line {number} names {'it' if named[0].lower() == 'grbl' else 'a laser'}"
     has_change = re.search(rb"[mM][ \t]*0*6(?![0-9])|[gG][ \t]*4[123](?![0-9.])|[gG]8[1-9]|#", program.raw)
     has_end = re.search(rb"[mM][ \t]*0*(?:2|30)(?![0-9])", program.raw)

@@ -79,7 +79,7 @@ class LiveReading:
         self.start = copied(self._run, self._run.file)
         _drain(self._run.begin())
         # what depends on the whole text, and not on lines as they are reached
-        self.kind = foreign_of(source), list(self._run.run.findings)
+        self.of_whole_text = foreign_of(source), list(self._run.run.findings)
         self._keep()
 
     @property
@@ -163,7 +163,7 @@ class LiveReading:
         if change is not None and not change:
             return
         self._begin(source)
-        if change is None or self.kind != before.kind or not is_same(self.start, before.start):
+        if change is None or self.of_whole_text != before.of_whole_text or not is_same(self.start, before.start):
             self._provisional = list(before.findings)
             return
         self._provisional = [_shifted(one, change) for one in before.findings]
