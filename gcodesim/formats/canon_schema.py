@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 from gcodesim.declarations.kind import Json
-from gcodesim.formats.json_schema import array, choice, nullable, number, record, text, truth, whole
+from gcodesim.formats.json_schema import array, choice, nullable, number, optional, record, text, truth, whole
 
 _AXES: Final = array("X Y Z [mm], A B C [deg], machine coordinates", {"type": "number"}) | {
     "minItems": 6,
@@ -151,6 +151,4 @@ def canon(finding: Json) -> Json:
 
 
 def _event(kind: str, members: dict[str, Json]) -> Json:
-    event = record(kind, kind={"const": kind}, **members, line=whole("line of the program", least=1))
-    event["required"] = [name for name in event["required"] if name != "line"]
-    return event
+    return record(kind, kind={"const": kind}, **members, line=optional(whole("line of the program", least=1)))

@@ -1,4 +1,4 @@
-"""Pieces of JSON Schema (2020-12): records with all keys required and described, and records made of dataclasses."""
+"""Pieces of JSON Schema (2020-12): records with all keys described, and records made of dataclasses."""
 
 from __future__ import annotations
 
@@ -12,13 +12,22 @@ from gcodesim.declarations.kind import Json
 _PLAIN: Final = {str: "string", float: "number", int: "integer", bool: "boolean", type(None): "null"}
 
 
+class _Optional(dict[str, Any]):
+    """The schema of a member that may be absent."""
+
+
+def optional(member: Json) -> Json:
+    """The same, of a member that a record may leave out."""
+    return _Optional(member)
+
+
 def record(what: str, /, **members: Json) -> Json:
-    """An object with exactly these members."""
+    """An object with exactly these members, all of them unless they are `optional`."""
     return {
         "type": "object",
         "description": what,
         "properties": members,
-        "required": list(members),
+        "required": [name for name, member in members.items() if not isinstance(member, _Optional)],
         "additionalProperties": False,
     }
 

@@ -445,7 +445,14 @@ def is_close(one: float, other: float, share: float) -> bool:
 
 @kernel(lean=True)
 def greatest_loads(
-    teeth: Teeth, heading: Heading, chip: float, cell: float, room: Room, used: int, result: Array, way: float,
+    teeth: Teeth,
+    heading: Heading,
+    chip: float,
+    cell: float,
+    room: Room,
+    used: int,
+    result: Array,
+    way: float,
     peaks: Array,
 ) -> tuple[float, float]:
     """Greatest force [N] and torque [N·m] within a revolution, after so long a `way` [m] in contact.
