@@ -12,6 +12,7 @@ from gcodesim.cell.inputs import INPUTS, InputKind, InputSource
 from gcodesim.cell.orientation import Orientation
 from gcodesim.cell.placing import SYSTEM_NAMES, Place
 from gcodesim.cell.signals import SIGNALS, SignalSource
+from gcodesim.cell.startup import Startup, StartupKind
 from gcodesim.declarations.composed import ListOf
 from gcodesim.declarations.file_kind import File, FileValue
 from gcodesim.declarations.keys import key
@@ -208,6 +209,12 @@ class Channel:
         Record(Orientation, "an orientation"), "how an arm holds the tool", default=None
     )
     path_control: str = key(_PathControl(), "path control until the program sets its own", default=DEFAULT_PATH_CONTROL)
+    startup: Startup | None = key(
+        StartupKind(),
+        "what the control has in force before the first block, such as `G20` on a machine in inches",
+        default=None,
+        quiet=True,
+    )
     tool_table: FileValue | None = key(File("a tool table"), "tool lengths that the control uses", default=None)
     parameters: FileValue | None = key(File("a parameter file"), "values of # parameters at the start", default=None)
     subroutines: tuple[FileValue, ...] = key(

@@ -103,6 +103,7 @@ def settings_of_cell(
         auto_length=lengths,
         auto_aside={number: (x, y) for number, (x, y, _) in offsets.items() if x or y},
         path_control=_path_control(cell, channel),
+        startup=None if own.startup is None else own.startup.source(),
         tool_point=_tool_point(cell, channel, placement),
         tip_first=cell.machine_of(channel).tip_first,
         columns=columns,

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import ClassVar, Final
 
+from gcodesim.cell.startup import modal_words
 from gcodesim.importers.axes import ImportedAxis, machine_lines, zero_lines
 from gcodesim.importers.importer import (
     FoundSetting,
@@ -22,6 +23,7 @@ from gcodesim.importers.importer import (
 from gcodesim.units import INCH, MM
 
 _LINE: Final = re.compile(r"\s*\$(\d+)\s*=\s*([^\s(;]+)")
+_STARTUP: Final = re.compile(r"\s*\$(N[01])\s*=\s*(\S.*?)\s*$")
 _OFFSET: Final = re.compile(r"\s*\[(G5[4-9]|G28|G30|G92|TLO|PRB):([^\]]*)\]")
 _LETTERS: Final = "XYZABC"
 _TRAVEL, _SPEED, _ACCELERATION = 130, 110, 120
@@ -62,6 +64,7 @@ class Grbl(Importer):
             raise NoSettingsError(f"{path} gives no axis a speed and a travel")
         lines = [*heading(path, "the settings of a grbl control"), "dialect: grbl", *machine_lines(axes)]
         lines += _offsets(settings) or list(zero_lines(axes))
+        lines += _startup(settings)
         lines += _spindle(settings)
         taken, left = settings.finished(_reasons(settings))
         return Imported(what="list of settings of grbl", lines=tuple(lines), taken=taken, left=left)
@@ -69,11 +72,11 @@ class Grbl(Importer):
 
 def _settings(path: Path) -> Iterator[FoundSetting]:
     for number, line in enumerate(read_text(path).splitlines(), start=1):
-        if found := _LINE.match(line):
+        if found := _LINE.match(line) or _STARTUP.match(line):
             yield FoundSetting(f"${found[1]}", found[2], path.name, number)
         elif offset := _OFFSET.match(line):
             yield FoundSetting(offset[1], offset[2], path.name, number)
-        elif line.strip() and not re.match(r"\s*(ok|Grbl|>|\[MSG|\[HLP|\[VER|\[OPT|<|\$[$#I]|;|\()", line):
+        elif line.strip() and not re.match(r"\s*(ok|Grbl|>|\[MSG|\[HLP|\[VER|\[OPT|<|\$[$#IN]|;|\()", line):
             yield FoundSetting(line.strip(), "", path.name, number)
 
 
@@ -121,6 +124,20 @@ def _offsets(settings: FoundSettings) -> list[str]:
             continue
         systems.append(f"G5{number}: {{xyz: [{', '.join(written(v * unit) for v in values[:3] if v is not None)} mm]}}")
     return [f"work_offsets: {{{', '.join(systems)}}}"] if systems else []
+
+
+def _startup(settings: FoundSettings) -> list[str]:
+    """The blocks that the control runs when it starts (`$N`)."""
+    found: list[str] = []
+    for name in ("$N0", "$N1"):
+        if (setting := settings.last(name)) is None:
+            continue
+        words, others = modal_words(setting.value)
+        found += [words] if words else []
+        if others:
+            why = f"these words move something or are no modes: write them into the program: {others}"
+            settings.leave(setting, why, matters=True)
+    return [f"startup: {' '.join(found)}"] if found else []
 
 
 def _spindle(settings: FoundSettings) -> list[str]:

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import ClassVar, Final
 
+from gcodesim.cell.startup import modal_words
 from gcodesim.diagnostics import SourceText
 from gcodesim.importers.axes import ImportedAxis, machine_lines, zero_lines
 from gcodesim.importers.importer import (
@@ -31,6 +32,7 @@ _LETTERS: Final = "XYZABC"
 _LINEAR: Final = "XYZ"
 _SYSTEMS: Final = 9  # G54 to G59.3
 _FAR: Final = 1e5  # mm or deg beyond which a limit is none
+_UNITS: Final = re.compile(r"G2[01](?![0-9.])", re.IGNORECASE)
 _INCHES: Final = ("inch", "in", "imperial", "25.4")
 _SPEED: Final = 1.0  # unit/s where nothing says a speed: the default of the control
 _TRAVEL: Final = 1000.0  # mm to either side where a linear axis has no limits
@@ -48,7 +50,6 @@ _REASONS: Final = (
     ("[RS274NGC]REMAP", "a remapped code: say what it does under `m_codes`, or leave it out of programs", True),
     ("[RS274NGC]ON_ABORT", "what the control does after a stop", False),
     ("[RS274NGC]USER_M_PATH", "programs for M100 to M199: say what they do under `m_codes`", True),
-    ("[RS274NGC]RS274NGC_STARTUP_CODE", "codes before each program: write them into it", True),
     ("[RS274NGC]", "the reader of programs has no such setting", False),
     ("[DISPLAY]", "the user interface", False),
     ("[EMC]", "about the control itself", False),
@@ -103,9 +104,6 @@ class _Machine:
         """Its lines in a cell."""
         inches = self.settings.text("[TRAJ]LINEAR_UNITS", "mm").lower() in _INCHES
         self.unit = INCH / MM if inches else 1.0
-        if inches and (found := self.settings.last("[TRAJ]LINEAR_UNITS")) is not None:
-            why = "lengths were converted, but programs without G20 begin in mm in the cell: write G20 into them"
-            self.settings.leave(found, why, matters=True)
         name, words = self._kinematics()
         order = self._coordinates(words)
         for number, letter in enumerate(order):
@@ -120,7 +118,7 @@ class _Machine:
         yield from machine_lines(self.axes, tuple(keys))
         yield from self._parameter_file(folder, lathe)
         yield from self._subroutines(folder)
-        yield from self._path_control()
+        yield from self._startup(inches)
         yield from self._spindle()
         yield from self._tools(folder, inches)
 
@@ -332,21 +330,17 @@ class _Machine:
         if found:
             yield f"subroutines: [{', '.join(quoted(part) for part in found)}]"
 
-    def _path_control(self) -> Iterator[str]:
-        """G64 with its P and Q among the codes before each program."""
+    def _startup(self, inches: bool) -> Iterator[str]:
+        """What is in force before each program: inches on a machine in inches, then the codes that the file gives."""
         setting = self.settings.last("[RS274NGC]RS274NGC_STARTUP_CODE")
-        if setting is None:
-            return
-        code = setting.value.upper()
-        rest = re.sub(r"G\s*(17|21|40|49|54|64|80|90|91\.1|92\.2|94|97)(?![0-9.])|[PQ]\s*[0-9.]+|\s|G64", "", code)
-        told = re.search(r"G64\s*(P\s*([0-9.]+))?\s*(Q\s*([0-9.]+))?", code)
-        if told is not None:
-            unit = INCH / MM if re.search(r"G20(?![0-9])", code) else 1.0
-            words = [f"{letter}{written(float(v) * unit)}" for letter, v in (("P", told[2]), ("Q", told[4])) if v]
-            yield f"path_control: {' '.join(['G64', *words])}"
-        if rest:
-            taken = "" if told is None else "; G64 was taken"
-            self.settings.leave(setting, f"codes before each program: write them into it{taken}", matters=True)
+        words, others = modal_words("" if setting is None else setting.value)
+        if inches and not _UNITS.search(words):
+            words = f"G20 {words}".strip()
+        if words:
+            yield f"startup: {words}"
+        if setting is not None and others:
+            why = f"these codes before each program move something or are no modes: write them into it: {others}"
+            self.settings.leave(setting, why, matters=True)
 
     def _spindle(self) -> Iterator[str]:
         speeds = [

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Generator, Iterable, Iterator
+from dataclasses import replace
 from pathlib import Path
 
 from gcodesim import canon
@@ -190,6 +191,7 @@ class Executor:
         if control.state.point_control:
             tool_point.say(control)
         load_first_tool(control)
+        self._start_up()
         self.watches.events(control.out)
         yield from control.out
         control.out.clear()
@@ -669,6 +671,17 @@ class Executor:
         from gcodesim.rs274.modes import path_control
 
         path_control(words, self.control)
+
+    def _start_up(self) -> None:
+        """Execute what is in force before the program; no line of the program says so."""
+        if self.settings.startup is None:
+            return
+        out, before = self.control.out, len(self.control.out)
+        file = self.file.of(self.settings.startup)
+        for index, text in enumerate(file.lines):
+            if text:
+                self._line(file, index, text)
+        out[before:] = [replace(event, span=Span(self.file.name)) for event in out[before:]]
 
 
 def _executor_of(dialect: Dialect) -> type[Executor]:

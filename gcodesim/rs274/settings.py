@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from gcodesim.canon import Axes
+from gcodesim.diagnostics import SourceText
 from gcodesim.frozen import frozen
 from gcodesim.rs274.tilt import Tilt
 from gcodesim.rs274.tool_point import ToolPointLaw
@@ -33,7 +34,8 @@ class Settings:
     listens to, digital such as `P1`, analog such as `E0`. `auto_length` gives the true
     length [m] of each tool of the cell, `auto_aside` X and Y [m] of those whose tip is beside the axis of the spindle;
     with `tool_length="auto"` a program without any G43 or G49 applies them at M6. `path_control` is in force before
-    the program's first G61 or G64. `has_cell` makes user M-codes legal;
+    the program's first G61 or G64; `startup` is a text whose blocks are executed before the first one of the program.
+    `has_cell` makes user M-codes legal;
     `turns`: the machine is a lathe.
     `unturned`: tools that no spindle turns.
     `loaded_tool` is in the spindle before the first block, 0 for none; in a program
@@ -79,6 +81,7 @@ class Settings:
     auto_length: Mapping[int, float] | None = None
     auto_aside: Mapping[int, tuple[float, float]] = field(default_factory=dict)
     path_control: str = "G64"
+    startup: SourceText | None = None
     options: Mapping[str, str] = field(default_factory=dict)
     limits: Mapping[str, Any] = field(default_factory=dict)
     tool_point: ToolPointLaw | None = None

@@ -185,23 +185,23 @@ def test_an_ini_of_linuxcnc_becomes_a_machine(mill: Path) -> None:
     assert cell.limits.spindle_speed == pytest.approx(18000 * 2 * 3.141592653589793 / 60)
     assert cell.tools[1].length == pytest.approx(1.5 * 25.4e-3)
     assert cell.tools[2].length != pytest.approx(0.1 * 25.4e-3)  # shorter than thick
-    assert "path_control: G64 P0.0254" in found.text
+    assert "startup: G17 G20 G40 G64 P0.001 G90" in found.text
     assert 'subroutines: ["subs"]' in found.text
 
 
 def test_inches_of_an_ini_are_nowhere_read_as_millimetres(mill: Path) -> None:
-    """A cell reads tool tables and parameters in mm, and begins programs so."""
+    """A cell reads tool tables and parameters in mm; programs begin in inches."""
     mill.write_text(MILL.replace("SUBROUTINE_PATH", "PARAMETER_FILE = mill.var\nSUBROUTINE_PATH"))
     (mill.parent / "mill.var").write_text("5221 2\n5222 -1.5\n5223 -1\n5383 -2\n5400 3\n")
     found = imported("linuxcnc", mill)
-    job = run(found, mill.parent, b"G20 G90\nT1 M6\nG43 H1\nG0 X0 Y0\nM2\n")
+    job = run(found, mill.parent, b"T1 M6\nG43 H1\nG0 X0 Y0\nM2\n")
 
     assert job.plan is not None
     assert job.plan.path.end[-1][:2].tolist() == pytest.approx([2 * 25.4e-3, -1.5 * 25.4e-3])
     assert "G59.3: {xyz: [0, 0, -50.8 mm]}" in found.text
     assert "parameters:" not in found.text and "tool_table:" not in found.text
     told = left(found)
-    assert all(told[name][1] for name in ("[RS274NGC]PARAMETER_FILE", "[EMCIO]TOOL_TABLE", "[TRAJ]LINEAR_UNITS"))
+    assert all(told[name][1] for name in ("[RS274NGC]PARAMETER_FILE", "[EMCIO]TOOL_TABLE"))
 
 
 def test_an_axis_without_room_is_left_out(tmp_path: Path) -> None:
@@ -224,7 +224,6 @@ def test_everything_else_of_the_ini_is_listed_with_its_line(mill: Path) -> None:
         (8, True),
         (9, True),
     ]
-    assert told["[RS274NGC]RS274NGC_STARTUP_CODE"] == (7, True)  # G20 has to be in the program
     assert told["[HAL]HALFILE"] == (lines.index("HALFILE = mill.hal") + 1, False)
     assert told["[JOINT_0]BACKLASH"] == (AXES.splitlines().index("BACKLASH = 0.002") + 1, True)
     assert told["[JOINT_3]FERROR"][1] is False
@@ -521,3 +520,10 @@ def test_any_bytes_are_refused_in_words(kind: str, data: bytes, tmp_path: Path) 
     (tmp_path / "x").write_bytes(data)
     with pytest.raises(NoSettingsError):
         IMPORTERS[kind]().read(tmp_path / "x", tmp_path)
+
+
+def test_blocks_that_grbl_runs_at_its_start(tmp_path: Path) -> None:
+    (tmp_path / "grbl.txt").write_text(GRBL.format(laser=0, offsets="$N0=G20 G54 M8\n$N1=G91\n"))
+    found = imported("grbl", tmp_path / "grbl.txt")
+
+    assert "startup: G20 G54 G91" in found.text and left(found)["$N0"][1] and "$N1" not in left(found)

@@ -1,0 +1,80 @@
+"""What a control has in force before the first block of a program."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from gcodesim.canon.batch import MoveBatch
+from gcodesim.cell.loader import LoadedCell, read_cell
+from gcodesim.cell.show import cell_as_text
+from gcodesim.diagnostics import SourceText, Span
+from gcodesim.rs274 import interpret
+from gcodesim.simulation import prepare, settings_in_cell
+
+NOWHERE = Span("p.nc")
+PROGRAM = "G0 X1 Y2\nG1 X2 F10\nG1 Y3\nM2\n"
+
+
+def loaded(startup: str, dialect: str = "linuxcnc") -> LoadedCell:
+    text = f"gcodesim: 1\nmachine: gantry_xyz\ndialect: {dialect}\n{startup}\n"
+    return read_cell(SourceText("cell.yaml", text.encode()), Path("cell.yaml"))
+
+
+def events(cell: LoadedCell, program: str = PROGRAM, lane: str = "auto") -> list[str]:
+    """All that the program tells the machine, but not where that stands."""
+    assert cell.cell is not None
+    settings, _ = settings_in_cell(cell.cell)
+    stream = interpret(SourceText("p.nc", program.encode()), replace(settings, lane=lane)).stream()
+    told = [one for item in stream for one in (item.events() if isinstance(item, MoveBatch) else [item])]
+    return [repr(replace(event, span=NOWHERE)) for event in told]
+
+
+@pytest.mark.parametrize(
+    ("words", "dialect"),
+    [
+        ("G20", "linuxcnc"),
+        ("g20 g91 g64p0.001", "linuxcnc"),
+        ("G20 G95 F0.1", "linuxcnc"),
+        ("G20 G91", "grbl"),
+        ("G20 G91", "fanuc"),
+        ("G20 G91", "marlin"),
+    ],
+)
+@pytest.mark.parametrize("lane", ["grammar", "compiled"])
+def test_the_program_runs_as_if_it_began_with_these_words(words: str, dialect: str, lane: str) -> None:
+    begun = [one for one in events(loaded("", dialect), f"{words}\n{PROGRAM}", lane) if "PathMode" not in one]
+    assert [
+        one for one in events(loaded(f"startup: {words}", dialect), f"\n{PROGRAM}", lane) if "PathMode" not in one
+    ] == begun
+    assert begun != events(loaded("", dialect), lane=lane)
+
+
+def test_the_program_has_the_last_word() -> None:
+    said = f"G21\n{PROGRAM}"
+    assert events(loaded("startup: G20"), said) == events(loaded(""), said)
+
+
+def test_words_that_a_control_refuses_are_told_at_their_place_in_the_cell() -> None:
+    job = prepare(SourceText("p.nc", PROGRAM.encode()), loaded("startup: G20 G96"))
+
+    (found,) = [finding for finding in job.findings if finding.code == "GS105"]
+    assert (found.span.file, found.span.line, found.span.column) == ("cell.yaml", 4, 14)
+
+
+@pytest.mark.parametrize(
+    ("startup", "alien"),
+    [("G20 M3 S100", "M3"), ("G0", "G0"), ("G28", "G28"), ("G20 G92 X1", "G92 X1"), ("G201", "G201"), ("''", "")],
+)
+def test_only_modes_stand_there(startup: str, alien: str) -> None:
+    (found,) = loaded(f"startup: {startup}").findings
+
+    assert found.code == "GS711" and (not alien or f"`{alien}` belongs into the program" in found.hint)
+
+
+def test_it_is_shown_as_it_was_written() -> None:
+    cell = loaded("startup: G20 G64 P0.001").cell
+    assert cell is not None
+    assert "startup: G20 G64 P0.001" in cell_as_text(cell)
