@@ -27,6 +27,7 @@ from gcodesim.motion.blend_kernels import (
     TANGENTIAL_SHARE,
     JointColumns,
     Tangents,
+    along_axes,
     corners,
     merge_chords,
     overlaps,
@@ -83,6 +84,7 @@ def _chains(path: ToolPath, kept: NDArray[np.intp]) -> NDArray[np.intp]:
     if n == 0:
         return np.zeros(0, dtype=np.intp)
     rows, before = kept[1:], kept[:-1]
+    straight = _equal(path.start[:, 3:], path.end[:, 3:])
     same = (
         (path.kind[rows] == LINE)  # rapids, arcs and moves with a law of their own stay as they are
         & (path.kind[before] == LINE)
@@ -95,16 +97,24 @@ def _chains(path: ToolPath, kept: NDArray[np.intp]) -> NDArray[np.intp]:
         & (path.active[rows] == path.active[before])
         & ~_stops_between(path, before, rows)
         & ~_outputs_between(path, before, rows)
-        & np.all(path.end[rows, 3:] == path.start[rows, 3:], axis=1)
-        & np.all(path.end[before, 3:] == path.start[before, 3:], axis=1)
-        & np.all(path.start[rows] == path.end[before], axis=1)
+        & straight[rows]
+        & straight[before]
+        & _equal(path.start.take(rows, axis=0), path.end.take(before, axis=0))
     )
     if not same.any():
         return np.arange(n)
     joined = np.concatenate([[False], same])
-    first = merge_chords(path.start[kept], path.end[kept], joined, path.naive[kept])
+    first = merge_chords(path.start.take(kept, axis=0), path.end.take(kept, axis=0), joined, path.naive[kept])
     heads: NDArray[np.intp] = np.flatnonzero(first == np.arange(n))
     return heads
+
+
+def _equal(one: Array, other: Array) -> NDArray[np.bool_]:
+    """Whether rows (n, k) are the same; column by column, as k is small."""
+    same: NDArray[np.bool_] = one[:, 0] == other[:, 0]
+    for k in range(1, one.shape[1]):
+        same &= one[:, k] == other[:, k]
+    return same
 
 
 def _stops_between(path: ToolPath, before: NDArray[np.intp], after: NDArray[np.intp]) -> NDArray[np.bool_]:
@@ -159,15 +169,12 @@ def along_limits(curves: Curves, limits: AxisLimits) -> tuple[Array, Array, Arra
     `TANGENTIAL_SHARE`.
     """
     table = limits.arrays
-    length = np.where(curves.length > 0.0, curves.length, 1.0)[:, None]
-    direction = np.abs(curves.end - curves.start) / length
-    bending = np.full(len(curves), np.inf)
+    step = curves.end - curves.start
     arc = np.flatnonzero(curves.kind == ROUND)
-    if len(arc):
-        direction[arc, :3] = np.abs(curves.lift[arc]) / length[arc]
+    step[arc, :3] = curves.lift[arc]
+    speed, acceleration = along_axes(step, curves.length, table)
+    bending = np.full(len(curves), np.inf)
     with np.errstate(divide="ignore"):
-        speed: Array = np.min(np.where(direction > 1e-12, table[0] / direction, np.inf), axis=1, initial=np.inf)
-        acceleration: Array = np.min(np.where(direction > 1e-12, table[1] / direction, np.inf), axis=1, initial=np.inf)
         radius = norms(curves.radial[arc]) * np.minimum(1.0, 1.0 + curves.growth[arc])
         n = np.cross(curves.radial[arc], curves.sideways[arc])
         n /= np.maximum(norms(n)[:, None], 1e-300)

@@ -109,6 +109,23 @@ def merge_chords(start: Column, end: Column, joined: Column, tolerance: Column) 
     return first
 
 
+@kernel(short=True)
+def along_axes(step: Column, length: Column, axis_limits: Column) -> tuple[Column, Column]:
+    """Speed and acceleration (c,) that the axes allow where they go by `step` (c, 6) evenly over `length` (c,)."""
+    n = len(length)
+    speed, acceleration = np.empty(n), np.empty(n)
+    for i in range(n):
+        way = length[i] if length[i] > 0.0 else 1.0
+        v, a = np.inf, np.inf
+        for k in range(6):
+            share = abs(step[i, k]) / way
+            if share > 1e-12:
+                v = min(v, axis_limits[SPEED, k] / share)
+                a = min(a, axis_limits[ACCELERATION, k] / share)
+        speed[i], acceleration[i] = v, a
+    return speed, acceleration
+
+
 @kernel
 def in_plane(n0: float, n1: float, n2: float, limits: Column) -> float:
     """The greatest length that a vector of any direction in the plane with unit normal n may have.

@@ -86,7 +86,7 @@ class Curves:
 
     def take(self, rows: NDArray[np.intp]) -> Curves:
         """Copies of some of the curves."""
-        return Curves(**{f.name: getattr(self, f.name)[rows] for f in fields(self)})
+        return Curves(**{f.name: getattr(self, f.name).take(rows, axis=0) for f in fields(self)})
 
     def end_tangents(self) -> tuple[Array, Array]:
         """Derivatives of position by s at start and end: two arrays (c, 6)."""
