@@ -8,17 +8,19 @@ from dataclasses import replace
 from pathlib import PurePath
 from typing import Final
 
-import numpy as np
-
 from gcodesim import canon
-from gcodesim.canon import AXIS_LETTERS, Event
+from gcodesim.canon import Event
 from gcodesim.diagnostics import Diagnostic, SourceText, Span
 from gcodesim.frozen import frozen
-from gcodesim.motion.tool_path import RAPID, ToolPath
+from gcodesim.motion.tool_path import ToolPath
+from gcodesim.restart.approach import approach_of, print_approach
 from gcodesim.rs274 import Run, Settings, interpret
 from gcodesim.rs274.entry.halted import Halted
-from gcodesim.rs274.entry.preamble import Approach, preamble
+from gcodesim.rs274.entry.preamble import preamble
 from gcodesim.rs274.entry.remaining import remaining, up_to
+from gcodesim.rs274.marlin.preamble import print_preamble
+from gcodesim.rs274.marlin.printer import Printer
+from gcodesim.rs274.marlin.said import is_said_again
 
 NAME: Final = "restart"
 MARK: Final = "(restart at line "
@@ -49,7 +51,7 @@ def restart_of(program: SourceText, line: int, run: Run, path: ToolPath, events:
     """
     span = Span.of_line(program.name, line, program.line(line))
     halted = run.halted
-    if halted is None:
+    if halted is None or run.failed is not None:
         why = "the program never comes to it" if run.failed is None else "the lines before it do not run to their end"
         return Restart(program=None, findings=[_refused(span, line, [why], "")])
     halted = halted.inside(program)
@@ -57,12 +59,19 @@ def restart_of(program: SourceText, line: int, run: Run, path: ToolPath, events:
     if obstacles:
         return Restart(program=None, findings=[_refused(span, line, obstacles, _other_line(program, line, run))])
     events = list(events)
-    blocks = [f"{MARK}{line})", *preamble(halted.control, _approach(halted, path, events))]
+    blocks = _preamble(halted, line, path, events)
     made = remaining(halted.file, line, blocks, f"{NAME}{PurePath(program.name).suffix}")
     wrong = _wrong(made, program, halted, line, run.settings)
     if wrong:
         return Restart(program=None, findings=[_refused(span, line, [wrong], _other_line(program, line, run))])
-    return Restart(program=made, findings=list(_left_out(span, events)))
+    return Restart(program=made, findings=[*_left_out(span, events), *_of_print(span, halted, path)])
+
+
+def _preamble(halted: Halted, line: int, path: ToolPath, events: Sequence[Event]) -> list[str]:
+    control, printer = halted.control, halted.printer
+    if printer is None:
+        return [f"{MARK}{line})", *preamble(control, approach_of(control, path, events))]
+    return [f";{MARK}{line})", *print_preamble(control, printer, print_approach(path))]
 
 
 def _refused(span: Span, line: int, reasons: Sequence[str], hint: str) -> Diagnostic:
@@ -89,32 +98,6 @@ def _other_line(program: SourceText, line: int, run: Run) -> str:
     return ""
 
 
-def _approach(halted: Halted, path: ToolPath, events: Sequence[Event]) -> Approach:
-    """Heights and words of the approach: across as high as the highest rapid, down to the lowest above the place."""
-    rapid = path.kind == RAPID
-    tools = np.array([state.tool for state in path.states] or [0])[path.state]
-    ends = path.end[rapid & (tools == halted.control.state.tool), 2]
-    here = float(path.end[-1, 2]) if len(path) else 0.0
-    high = max([here, *path.start[rapid, 2], *path.end[rapid, 2]])
-    turned = (path.start[:, 3:6] != path.end[:, 3:6]).any(axis=0)
-    columns = {column: letter for letter, column in halted.control.settings.columns.items()}
-    fed = path.feed[(path.kind != RAPID) & np.isfinite(path.feed) & ~path.rotary_feed]
-    outputs = {
-        f"{'P' if event.type == 'digital' else 'E'}{event.index}": event.value
-        for event in events
-        if isinstance(event, canon.Output)
-    }
-    return Approach(
-        moves=len(path) > 0,
-        high=high,
-        near=float(ends[ends >= here].min(initial=high)),
-        turned="".join(columns.get(i, AXIS_LETTERS[3 + i].lower()) for i in range(3) if turned[i]),
-        feed=float(fed[-1]) if len(fed) else 0.0,
-        changed=any(isinstance(event, canon.ToolChange) for event in events),
-        outputs=outputs,
-    )
-
-
 def _left_out(span: Span, events: Sequence[Event]) -> Iterable[Diagnostic]:
     """GS149 for each word of the cell in the lines before."""
     counts: dict[str, tuple[int, Event]] = {}
@@ -133,6 +116,29 @@ def _left_out(span: Span, events: Sequence[Event]) -> Iterable[Diagnostic]:
         )
 
 
+def _of_print(span: Span, halted: Halted, path: ToolPath) -> Iterable[Diagnostic]:
+    """GS149 for what was done to the printer before and is not done again."""
+    if halted.printer is None:
+        return
+    if len(path):
+        yield Diagnostic(
+            code="GS149",
+            span=span,
+            message="Z is not homed again, since the part is in the way",
+            hint="leave the printer switched on, or say `G92 Z` with the nozzle at a height that is known",
+        )
+    for word, (count, first) in halted.control.not_simulated.items():
+        if (word.startswith("macro ") or word[0] == "G") and not is_said_again(word):
+            yield Diagnostic(
+                code="GS149",
+                span=first,
+                message=f"{word.removeprefix('macro ')} stands before line {span.line} and is not repeated by the "
+                "preamble",
+                hint="do by hand what the print needs of it, as heating or a mesh of the bed",
+                count=count,
+            )
+
+
 def _wrong(made: SourceText, program: SourceText, halted: Halted, line: int, settings: Settings) -> str:
     """Why the program that was made does not do what the rest of `program` does; empty if it does."""
     alone = replace(settings, until=None, answered=False)
@@ -148,7 +154,18 @@ def _wrong(made: SourceText, program: SourceText, halted: Halted, line: int, set
         return "the preamble does not lead to the place where the tool is then"
     if old.state.tool != new.state.tool or old.state.spindle != new.state.spindle:
         return "the preamble does not bring tool and spindle into their state"
+    if _of_extruder(halted.printer) != _of_extruder(again.halted.printer):
+        return "the preamble does not bring the extruder into its state"
     return ""
+
+
+def _of_extruder(printer: Printer | None) -> tuple[object, ...]:
+    """What moves of filament depend on."""
+    if printer is None:
+        return ()
+    flow, area = printer.flow.get(printer.tool), printer.areas.get(printer.tool)
+    modes = (printer.e_relative, printer.is_retracted, printer.tool, flow, area, printer.limits, printer.section)
+    return (round(printer.e, 4), round(printer.speed, 3), *modes)
 
 
 def _read(run: Run) -> Run:

@@ -209,7 +209,7 @@ class Executor:
         if (yield from self._steps_in_lane()):
             return
         if index + 1 == self.settings.until and frame.file is self.file:
-            self.run.halted = Halted(control=control, file=self.file, frames=tuple(self.flow.frames))
+            self.run.halted = self._halted()
             self._broken_off = True
             return
         frame.at = index + 1
@@ -233,6 +233,9 @@ class Executor:
             out.clear()
         self.blocks += 1
         self._broken_off = self._broken_off or self._exhausted(frame.file, index)
+
+    def _halted(self) -> Halted:
+        return Halted(control=self.control, file=self.file, frames=tuple(self.flow.frames))
 
     def _told(self, index: int) -> Generator[canon.Event, Feedback, None]:
         """The events of line `index`, and what the caller answers to those that ask."""

@@ -260,9 +260,11 @@ CODES: tuple[Code, ...] = (
         code="GS149",
         severity=Severity.WARNING,
         title="Not repeated when the program is taken up",
-        what="The lines before have switched something, gripped parts or laid a film, which the preamble does not do.",
+        what="The lines before have switched something, gripped parts, laid a film, homed Z of a printer or called a "
+        "macro, which the preamble does not do.",
         why="What an M-code of the cell means is known to its builder alone, so nobody can say that it may come twice.",
-        remedy="Bring clamps, grippers and the like into the state that the program expects there.",
+        remedy="Bring clamps, grippers and the like into the state that the program expects there; on a printer, keep "
+        "it switched on so that it knows its Z.",
     ),
     Code(
         code="GS150",

@@ -17,20 +17,29 @@ if TYPE_CHECKING:
     from gcodesim.diagnostics import SourceText
     from gcodesim.rs274.control import Control
     from gcodesim.rs274.frame import Frame
+    from gcodesim.rs274.marlin.printer import Printer
     from gcodesim.rs274.program_file import ProgramFile
 
 _G52: Final = 520
+_CYCLES: Final = frozenset((*(float(code) for code in range(70, 77)), 90.0, 92.0, 94.0))
+_OF_LATHE: Final = frozenset("xzuw")
 _STRAIGHT: Final = (0, 10)
 """G0 and G1: motions that an approach may end with, so that a block without a G word goes on with them."""
 
 
 @frozen(eq=False)
 class Halted:
-    """The `control` as it is when the line is reached, the `file` of the program, and the calls that led there."""
+    """The `control` as it is when the line is reached, the `file` of the program, and the calls that led there.
+
+    Of a lathe of Fanuc: the `cycle` in force (90, 92, 94), and the `prepared` ones, whose first line has been read.
+    """
 
     control: Control
     file: ProgramFile
     frames: tuple[Frame, ...]
+    cycle: float | None = None
+    prepared: frozenset[float] = frozenset()
+    printer: Printer | None = None
 
     def inside(self, source: SourceText) -> Halted:
         """The same in the whole program, where what was read ends at the line."""
@@ -51,24 +60,39 @@ class Halted:
             yield "each move calls a macro (G66)"
         if control.has_figure:
             yield "the plane of the program is tilted, turned, scaled or mirrored"
-        if control.shift() != ZERO and _G52 not in control.dialect.g_groups:
+        can_shift = _G52 in control.dialect.g_groups or control.dialect.prints
+        if control.shift() != ZERO and not can_shift:
             yield "the shift of G92 is in force, which this control can only set where the tool stands"
         if state.nurbs_order:
             yield "it is inside a spline"
         if state.strayed is not None:
             yield "the position after G88 is the operator's"
-        if control.settings.turns:
-            yield "the machine is a lathe, whose approach depends on the shape of the part"
-        if control.dialect.prints:
-            yield "a print cannot be taken up in the middle of a layer by words of the program"
+        if self._is_second(line):
+            yield "it is the second of two lines of one cycle"
         if (motion := self._continued(line)) is not None:
             number, code = motion
             yield f"line {number} goes on with the {code.upper()} of an earlier line, whose words it needs"
 
+    def _is_second(self, line: int) -> bool:
+        """Whether `line` names a prepared cycle, and the line before it does, too."""
+        if not self.prepared:
+            return False
+        here = self._codes(line - 1) & self.prepared
+        before = next((self._codes(i) for i in range(line - 2, -1, -1) if self.file.lines[i].strip()), frozenset())
+        return bool(here & before)
+
+    def _codes(self, index: int) -> frozenset[float]:
+        """The numbers of the G words of a line, as far as they are written."""
+        try:
+            words = self.file.block(index).words
+        except Fault:
+            return frozenset()
+        return frozenset(value for letter, value in words if letter == "g" and isinstance(value, float))
+
     def _continued(self, line: int) -> tuple[int, str] | None:
         """The first line from `line` on that goes on with a motion in which an approach cannot end, and that motion."""
         state, dialect = self.control.state, self.control.dialect
-        if state.motion in _STRAIGHT or state.motion < 0:
+        if self.cycle is None and (state.motion in _STRAIGHT or state.motion < 0):
             return None
         for index in range(line - 1, len(self.file.lines)):
             try:
@@ -76,10 +100,10 @@ class Halted:
             except Fault:
                 return None
             letters = {letter for letter, _ in block.words}
-            codes = [value for letter, value in block.words if letter == "g"]
-            groups = {dialect.g_groups.get(round(code * 10.0)) for code in codes if isinstance(code, float)}
-            if MOTION in groups or block.flow is not None:
+            codes = self._codes(index)
+            groups = {dialect.g_groups.get(round(code * 10.0)) for code in codes}
+            if MOTION in groups or (self.cycle is not None and codes & _CYCLES) or block.flow is not None:
                 return None
-            if letters & AXIS_LETTERS:
-                return index + 1, g_name(state.motion)
+            if letters & (AXIS_LETTERS if self.cycle is None else _OF_LATHE):
+                return index + 1, g_name(state.motion if self.cycle is None else round(10.0 * self.cycle))
         return None

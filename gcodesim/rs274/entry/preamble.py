@@ -23,24 +23,37 @@ if TYPE_CHECKING:
 _DECIMALS: Final = {MM: 6, INCH: 8}
 """By unit: nobody sees a nanometre."""
 _BLEND: Final = 640
-_INVERSE_TIME, _PER_MINUTE = 930, 940
+_INVERSE_TIME, _PER_MINUTE, _PER_TURN = 930, 940, 950
+_DIAMETER, _RADIUS = 70, 80
+_ON_TURRETS: Final = {_PER_MINUTE: 980, _PER_TURN: 990}
+_NOT_ON_TURRETS: Final = frozenset((430, 490, 800, 900, 910))
+_SAME: Final = 6e-8
+"""[m] A control is told micrometres."""
 _SYSTEMS: Final = range(numbers.FIRST_SYSTEM, numbers.FIRST_SYSTEM + 180)
 _LAST_OF_PROGRAM: Final = 5000
 
 
 @frozen
-class Approach:
-    """Heights of the controlled point [m, Z of M]: `high` for ways across, `near` from which it goes down at a feed.
+class Stop:
+    """Where a rapid of the approach ends: one axis `at` a place of the controlled point [m, in M], or all of `axes`
+    where they are when the line is reached."""
 
-    `moves`: the program has moved before. `turned` are the letters of the rotary and further axes that it moves; `feed`
-    [m/s] is that of its last feed move, 0 before any; `changed` says whether it has changed tools; `outputs` are those
-    that it has set, digital such as `P1`, analog such as `E0`.
+    axes: str
+    at: float | None = None
+
+
+@frozen
+class Approach:
+    """The rapids to the place; the axis `last` goes the rest of the way, at a feed. Without `stops` nothing has moved.
+
+    `turns`: the work turns, as on a lathe. `feed` [m/s] is that of the last feed move in units per minute, 0 before any;
+    `changed` says whether the program has changed tools; `outputs` are those that it has set, digital such as `P1`,
+    analog such as `E0`.
     """
 
-    moves: bool
-    high: float
-    near: float
-    turned: str = ""
+    stops: Sequence[Stop] = ()
+    last: str = "z"
+    turns: bool = False
     feed: float = 0.0
     changed: bool = True
     outputs: Mapping[str, float] = field(default_factory=dict)
@@ -50,7 +63,7 @@ def preamble(control: Control, approach: Approach) -> list[str]:
     """Blocks after which another control, which has executed nothing, is in the state of `control`."""
     words, first = _Words(control), control.fresh()
     blocks = [
-        *_modes(control, words),
+        *_modes(control, approach, words),
         *_memory(control, first, words),
         *_tool(control, approach, words),
         *_way(control, approach, words),
@@ -66,8 +79,12 @@ class _Words:
         self._dialect = control.dialect
         self._decimals = _DECIMALS[control.state.unit]
         self._pointed = control.dialect.statements  # X10 may be ten increments there, X10. never is
+        self._on_x = 2.0 if control.state.diameter or control.dialect.turret else 1.0
 
     def g(self, *codes: int) -> list[str]:
+        """Words for codes of the milling control, as far as this one has them; turrets have others for feeds."""
+        if self._dialect.turret:
+            codes = tuple(_ON_TURRETS.get(code, code) for code in codes if code not in _NOT_ON_TURRETS)
         return [g_name(code).upper() for code in codes if code in self._dialect.g_groups]
 
     def m(self, *codes: int) -> list[str]:
@@ -82,14 +99,18 @@ class _Words:
         return f"{text}." if self._pointed and "." not in text else text
 
     def axes(self, letters: str, point: Sequence[float]) -> list[str]:
-        return [f"{letter.upper()}{self.length(point[AXES.index(letter)])}" for letter in letters]
+        scales = {"x": self._on_x}
+        return [
+            f"{letter.upper()}{self.length(scales.get(letter, 1.0) * point[AXES.index(letter)])}" for letter in letters
+        ]
 
 
-def _modes(control: Control, words: _Words) -> Iterator[list[str]]:
+def _modes(control: Control, approach: Approach, words: _Words) -> Iterator[list[str]]:
     """Units, plane and distance as the approach needs them, and nothing left over of whatever was run before."""
     state = control.state
     unit = 210 if state.unit == MM else 200
-    yield words.g(unit, state.plane, 400, 800, 900, _PER_MINUTE)
+    turning = words.g(_DIAMETER if state.diameter else _RADIUS) if approach.turns and words.g(_DIAMETER) else []
+    yield [*words.g(unit, state.plane), *turning, *words.g(400, 800, 900, _while_coming(control, approach))]
     changed = [state.retract] if state.retract != control.fresh().state.retract else []
     yield words.g(901 if state.centre_absolute else 911, *changed)
     path = words.g(state.path)
@@ -131,6 +152,10 @@ def _memory(control: Control, first: Control, words: _Words) -> Iterator[list[st
 
 def _tool(control: Control, approach: Approach, words: _Words) -> Iterator[list[str]]:
     state = control.state
+    if control.dialect.turret:
+        if state.tool:
+            yield [f"T{state.tool:02d}{0 if state.tool_offset == ZERO else control.length_number() or 0:02d}"]
+        return
     if approach.changed and words.m(6):
         yield [f"T{state.tool}", *words.m(6)]
     if state.selected >= 0 and state.selected != state.tool:
@@ -140,7 +165,7 @@ def _tool(control: Control, approach: Approach, words: _Words) -> Iterator[list[
 def _length(control: Control, words: _Words) -> list[str]:
     """The word for the length in force: none where the program never says one."""
     state = control.state
-    if control.auto_length:
+    if control.auto_length or control.dialect.turret:  # whose T word says it
         return []
     if state.tool_offset == ZERO:
         return words.g(490)
@@ -151,68 +176,87 @@ def _length(control: Control, words: _Words) -> list[str]:
     return [*words.g(431), *words.axes(letters, state.tool_offset)]
 
 
-def _spindle(control: Control, words: _Words) -> Iterator[list[str]]:
+def _spindle(control: Control, approach: Approach, words: _Words) -> Iterator[list[str]]:
     state = control.state
+    cap = [] if state.surface_speed_cap is None else [words.number(state.surface_speed_cap)]
+    if cap and control.dialect.turret:
+        yield [*words.g(500), f"S{cap.pop()}"]
     if state.speed and state.surface_speed:
-        cap = [] if state.surface_speed_cap is None else [f"D{words.number(state.surface_speed_cap)}"]
-        yield [*words.g(960), *cap, f"S{words.number(state.speed)}"]
+        yield [*words.g(960), *(f"D{speed}" for speed in cap), f"S{words.number(state.speed)}"]
     elif state.speed:
-        yield [f"S{words.number(state.speed)}"]
+        yield [*(words.g(970) if approach.turns else []), f"S{words.number(state.speed)}"]
     if state.spindle:
         yield words.m(3 if state.spindle > 0 else 4)
     yield words.m(*([7] if state.mist else []), *([8] if state.flood else []))
 
 
 def _way(control: Control, approach: Approach, words: _Words) -> Iterator[list[str]]:
-    """Up, across, down to where the program has been, with spindle and coolant on before anything is near.
+    """Clear of the part, across, near to where the program has been; spindle and coolant are on before that.
 
     The last block is one of the motion with which the program goes on.
     """
     state = control.state
-    if not approach.moves:
-        yield _length(control, words)
-        yield from _spindle(control, words)
-        return
-    x, y, z, *others = control.tip(state.current)
-    high, near = (
-        control.point_of((x, y, max(height / state.unit, z), *others))[2]  # type: ignore[arg-type]
-        for height in (approach.high, approach.near)
-    )
     length = _length(control, words)
-    if length[:1] == words.g(431):  # has axis words of its own
+    if not approach.stops or length[:1] == words.g(431):  # which has axis words of its own
         yield length
         length = []
-    yield [*words.g(0), *length, *_height(high, words)]
-    yield from _spindle(control, words)
-    yield [*words.g(0), *words.axes(f"xy{approach.turned}", state.current)]
-    if near < high:
-        yield [*words.g(0), *_height(near, words)]
+    if not approach.stops:
+        yield from _spindle(control, approach, words)
+        return
+    for number, stop in enumerate(approach.stops):
+        yield [*words.g(0), *([] if number else length), *words.axes(stop.axes, _point_of(stop, control))]
+        if not number:
+            yield from _spindle(control, approach, words)
     feed = _feed(control, approach, words)
-    here, fed = _height(state.current[2], words), state.motion != 0 and bool(feed)
-    if near > state.current[2]:
+    there, fed = _is_there(approach, control), state.motion != 0 and bool(feed)
+    here = words.axes(approach.last, state.current)
+    if not there:
         yield [*words.g(10), *here, *feed] if fed else [*words.g(0), *here]
-    if state.motion == 10 and not (near > state.current[2] and fed):
+    if state.motion == 10 and not (fed and not there):
         yield [*words.g(10), *here, *feed]
 
 
-def _height(value: float, words: _Words) -> list[str]:
-    return words.axes("z", (0.0, 0.0, value))
+def _point_of(stop: Stop, control: Control) -> Sequence[float]:
+    """The place of a stop in the active work system."""
+    if stop.at is None:
+        return control.state.current
+    tip = list(control.tip(control.state.current))
+    tip[AXES.index(stop.axes)] = stop.at / control.state.unit
+    return control.point_of(tuple(tip))  # type: ignore[arg-type]
+
+
+def _is_there(approach: Approach, control: Control) -> bool:
+    """Whether the rapids end at the place itself."""
+    stop = next(stop for stop in reversed(approach.stops) if approach.last in stop.axes)
+    here = control.tip(control.state.current)[AXES.index(approach.last)] * control.state.unit
+    return stop.at is None or abs(stop.at - here) < _SAME
 
 
 def _feed(control: Control, approach: Approach, words: _Words) -> list[str]:
     """F per minute: as the program has it, else that of its last feed move."""
     state = control.state
-    own = state.feed * state.feed_unit if state.feed_mode == _PER_MINUTE and state.feed else approach.feed * MINUTE
+    as_said = state.feed_mode == _while_coming(control, approach)
+    own = state.feed * state.feed_unit if as_said and state.feed else approach.feed * MINUTE
     return [f"F{words.length(own / state.unit)}"] if own > 0.0 else []
+
+
+def _while_coming(control: Control, approach: Approach) -> int:
+    """The feed mode of the approach: per minute; on a lathe, whose spindle turns by then, the program's own."""
+    own = control.state.feed_mode
+    return own if approach.turns and own == _PER_TURN else _PER_MINUTE
 
 
 def _rest(control: Control, approach: Approach, words: _Words, said: Collection[str]) -> Iterator[list[str]]:
     """Modes that would have been in the way of the approach, and the feed unless it is among the words `said`."""
     state = control.state
-    if state.feed_mode != _PER_MINUTE:
+    if state.feed_mode != _while_coming(control, approach):
         yield words.g(state.feed_mode)
     feed = f"F{words.length(state.feed * state.feed_unit / state.unit)}"
-    if state.feed and state.feed_mode != _INVERSE_TIME and (feed not in said or state.feed_mode != _PER_MINUTE):
+    if (
+        state.feed
+        and state.feed_mode != _INVERSE_TIME
+        and (feed not in said or state.feed_mode != _while_coming(control, approach))
+    ):
         yield [feed]
     for name, value in sorted(approach.outputs.items()):
         if name.startswith("P"):

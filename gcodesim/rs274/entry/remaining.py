@@ -11,17 +11,23 @@ from gcodesim.rs274.length_words import length_words
 from gcodesim.rs274.program_file import ProgramFile
 
 _END: Final = "M2"
+_CONTOUR: Final = re.compile(r"G7[0-3]\s*P", re.IGNORECASE)
+"""A cycle of a lathe that reads lines behind it before it comes to them."""
 _LED_TO: Final = re.compile(r"GOTO|^[\s/]*(?:N[\s\d]+)?[O:]\s*[0-9<\[#]", re.IGNORECASE)
 
 
 def up_to(source: SourceText, line: int) -> SourceText:
     """The program with an end in place of `line`. What is behind it stays only where lines before may lead there.
 
-    Whether a program says lengths at all decides what it means, so those words stay, where nothing executes them.
+    Whether a program says lengths at all decides what it means, so those words stay, where nothing executes them; so
+    do lines that are comments, in which slicers write settings of the printer.
     """
     before, behind = list(source.lines[: line - 1]), list(source.lines[line:])
+    if any(_CONTOUR.search(text) for text in before):
+        return _text(source, source.lines, source.name)
     if not any(_LED_TO.search(text) for text in (*before, *behind)):
-        behind = [f"G4{digit.decode()}" for digit in sorted(length_words(source))]
+        notes = [text for text in behind if text.lstrip().startswith(";")]
+        behind = [*notes, *(f"G4{digit.decode()}" for digit in sorted(length_words(source)))]
     return _text(source, [*before, _END, *behind], source.name)
 
 

@@ -9,9 +9,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 from gcodesim.rs274.block import Block, Word
 from gcodesim.rs274.ends import start_point
+from gcodesim.rs274.entry.halted import Halted
 from gcodesim.rs274.fanuc import lathe_cycles
 from gcodesim.rs274.fanuc.executor import FanucExecutor
 from gcodesim.rs274.fanuc.program import FanucFile
@@ -22,6 +24,7 @@ _CYCLES = frozenset((90.0, 92.0, 94.0))
 _MULTIPLE = frozenset((70.0, 71.0, 72.0, 73.0, 74.0, 75.0, 76.0))
 _MOTIONS = frozenset((0.0, 1.0, 2.0, 3.0, 32.0, 33.0, 34.0))
 _FEED_MODES = {98.0: 94.0, 99.0: 95.0}
+_SPINDLE_MODES = frozenset((96.0, 97.0))
 _ONE_SHOT = frozenset((4.0, 10.0, 65.0, 66.0))
 
 
@@ -41,6 +44,10 @@ class FanucLatheExecutor(FanucExecutor):
     prepared: dict[float, dict[str, float]]  # first lines of G71 to G76
     fastest: float | None = None  # G50 S
     started: bool = False
+
+    def _halted(self) -> Halted:
+        prepared = frozenset(self.prepared) if self.started else frozenset()
+        return replace(super()._halted(), cycle=self.cycle, prepared=prepared)
 
     def _words_of(self, block: Block, index: int) -> None:
         if not self.started:
@@ -106,8 +113,7 @@ class FanucLatheExecutor(FanucExecutor):
         """G50: the greatest speed of the spindle, or where the tool is said to be."""
         if "s" in values:
             self.fastest = values["s"]
-            if self.control.state.surface_speed:
-                self.control.state.surface_speed_cap = self.fastest
+            self.control.state.surface_speed_cap = self.fastest
         if not {"x", "z", "u", "w"}.isdisjoint(values):
             z, x = self.end_of(values, self.here())
             self.say(block, index, [("g", 92.0), ("x", x), ("z", z)])
@@ -154,9 +160,10 @@ class FanucLatheExecutor(FanucExecutor):
             plain = [("g", 33.0) if w == ("g", 32.0) else w for w in plain if w[0] != "f"]
             plain.append(("k", self.pitch))
         self.say(block, index, plain)
-        if 96.0 in codes and self.fastest is not None and "s" in values:
+        if self.fastest is not None and not _SPINDLE_MODES.isdisjoint(codes):
             self.control.state.surface_speed_cap = self.fastest
-            self.say(block, index, [("s", values["s"])])
+            if 96.0 in codes and "s" in values:
+                self.say(block, index, [("s", values["s"])])
 
     # -- multiple cycles
 
@@ -208,6 +215,8 @@ class FanucLatheExecutor(FanucExecutor):
         for line in range(first, last + 1):
             read = self.file.block(line)
             if read.words:
+                if {("m", 2.0), ("m", 30.0), ("m", 99.0)} & set(read.words):
+                    raise Fault("GS106", f"line {line + 1} ends the program inside the contour", at="q")
                 self._words_of(read if read.plain else self._resolved(read), line)
         self.move(block, index, True, z, x)
 

@@ -9,6 +9,7 @@ from gcodesim import canon
 from gcodesim.canon.printing import MotionLimits
 from gcodesim.diagnostics import Diagnostic, SourceText, Span
 from gcodesim.rs274.control import Control
+from gcodesim.rs274.entry.halted import Halted
 from gcodesim.rs274.fault import Fault
 from gcodesim.rs274.flow import FlowControl
 from gcodesim.rs274.marlin.codes import CODES
@@ -20,6 +21,7 @@ from gcodesim.rs274.marlin.macros import MACROS
 from gcodesim.rs274.marlin.moves import MOVES
 from gcodesim.rs274.marlin.printer import Printer
 from gcodesim.rs274.marlin.printer_file import PrinterFile
+from gcodesim.rs274.marlin.said import remember
 from gcodesim.rs274.other_machines import foreign_of
 from gcodesim.rs274.program_file import ProgramFile
 from gcodesim.rs274.run import MOST_NOTES, Executor, Run
@@ -39,6 +41,8 @@ _OWN_G: Final = 600
 """G codes from here on are a maker's or user's own, as macros are: G2814 of Bambu, G999 in a script that changes
 nozzles. No firmware's own code is as high."""
 
+_SETTINGS: Final = frozenset(("G10", "G20", "G21"))
+"""Those among the moves that set something."""
 _NO_NOZZLE: Final = 255
 """T255, T1000 and the like are no nozzles: with them Bambu's start code unloads filament, or ends a change."""
 
@@ -77,6 +81,9 @@ class PrinterExecutor(Executor):
         if known:
             self.printer.tool = known[0] - self._first_number
             self._put_in(known[0])
+
+    def _halted(self) -> Halted:
+        return replace(super()._halted(), printer=self.printer)
 
     def _line(self, file: ProgramFile, index: int, text: str) -> None:
         control = self.control
@@ -136,6 +143,8 @@ class PrinterExecutor(Executor):
             )
         else:
             self.skip(name, line)
+        if name not in MOVES or name in _SETTINGS:
+            remember(self.printer.said, line, self.printer.tool)
 
     def _pass_over_text(self, line: MarlinLine) -> None:
         """GS194: text where a code that is simulated has words; firmware reads on without it."""

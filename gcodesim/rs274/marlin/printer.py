@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from math import pi
 
 from gcodesim.canon.printing import MotionLimits, Section
+from gcodesim.rs274.marlin.said import Key
 from gcodesim.rs274.state import ZERO, Vector
 from gcodesim.units import MM
 
@@ -19,7 +20,8 @@ class Printer:
 
     `e` is the position of E, `e_relative` whether E words are steps. `areas` has the section [mm²] by which volumetric
     E words are divided, by tool (M200). `flow` and `pace` are M221 and M220. `retraction` and `recovery` are length
-    [mm], speed [mm/min] and lift [mm] of G10 and G11; `is_retracted` whether G10 is in force.
+    [mm], speed [mm/min] and lift [mm] of G10 and G11; `is_retracted` whether G10 is in force. `said` has the
+    settings in force as lines.
     """
 
     limits: MotionLimits
@@ -37,6 +39,7 @@ class Printer:
     retraction: tuple[float, float, float] = (3.0, 2700.0, 0.0)
     recovery: tuple[float, float] = (0.0, 480.0)
     is_retracted: bool = False
+    said: dict[Key, str] = field(default_factory=dict)
     saved: dict[str, tuple[Vector, bool, bool, float, float]] = field(default_factory=dict)
 
     def filament(self, delta: float, unit: float) -> float:

@@ -13,6 +13,11 @@ from gcodesim.rs274.tokens import VERBATIM, Token
 class PrinterFile(ProgramFile):
     """Each line stands for itself."""
 
+    def heads_before(self, end: int) -> set[int]:
+        """Comments of slicers, too: they count layers and have settings of the printer."""
+        notes = {index for index in range(end) if self.lines[index].lstrip().startswith(";")}
+        return super().heads_before(end) | notes
+
     def meaning(self, index: int) -> object:
         line = line_of(self.lines[index])
         said = (line.name, line.values, line.text, line.settings, line.is_macro)

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import pytest
 
+from gcodesim.diagnostics import Severity
+
 CONTOUR = "N10 G00 X12. Z1.\nG01 Z-10. F0.1\nX20. Z-14.\nG02 X26. Z-17. R3.\nN20 G01 X32.\n"
 ALONG_X = "N10 G00 Z-17. X34.\nG01 X20. F0.1\nX12. Z-10.\nN20 G01 Z1.\n"
 
@@ -58,3 +60,9 @@ def test_finishing_with_compensation_is_no_rapid_at_the_contour_of_a_mill(progra
     done, _ = _moves(program, "G71 P10 Q20 U0.4 W0.1 D2. F0.2", contour + "G70 P10 Q20\n")
 
     assert [f.code for f in done.findings] == []
+
+
+def test_a_contour_that_ends_the_program_is_refused(program) -> None:
+    done = program("%\nO1\nG21\nG70 P10 Q20\nN10 G0 X5.\nM30\nN20 X4.\nM30\n%\n", dialect="fanuc_lathe")
+
+    assert [finding.code for finding in done.findings if finding.level >= Severity.ERROR] == ["GS106"]
