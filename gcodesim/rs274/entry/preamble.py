@@ -46,7 +46,7 @@ class Stop:
 class Approach:
     """The rapids to the place; the axis `last` goes the rest of the way, at a feed. Without `stops` nothing has moved.
 
-    `turns`: the work turns, as on a lathe. `feed` [m/s] is that of the last feed move in units per minute, 0 before any;
+    `turns`: the work turns, as on a lathe. `feed` [m/s] is that of the last feed move per minute, 0 before any;
     `changed` says whether the program has changed tools; `outputs` are those that it has set, digital such as `P1`,
     analog such as `E0`.
     """
