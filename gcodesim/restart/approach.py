@@ -16,7 +16,7 @@ from gcodesim import canon
 from gcodesim.canon import AXIS_LETTERS, Event
 from gcodesim.frames import Array
 from gcodesim.motion.tool_path import RAPID, ToolPath
-from gcodesim.rs274.entry.preamble import Approach, Stop
+from gcodesim.rs274.entry.preamble import Approach, RapidEnd
 from gcodesim.rs274.marlin.preamble import PrintApproach
 from gcodesim.tools.lathe_tool import NOSE_CENTRES
 
@@ -79,7 +79,7 @@ def _turns(control: Control, path: ToolPath) -> bool:
     return known or (not control.settings.has_cell and control.state.plane == _XZ and not _moves(path)[1])
 
 
-def _way(control: Control, path: ToolPath, turns: bool) -> tuple[list[Stop], str]:
+def _way(control: Control, path: ToolPath, turns: bool) -> tuple[list[RapidEnd], str]:
     """The rapids, and the axis on which the place is reached."""
     tools = np.array([state.tool for state in path.states])[path.state]
     own = tools == control.state.tool
@@ -96,7 +96,7 @@ def _way(control: Control, path: ToolPath, turns: bool) -> tuple[list[Stop], str
             return _from(_X, side, f"{others}z", path, own), "x"
 
 
-def _from(axis: int, side: float, across: str, path: ToolPath, own: NDArray[np.bool_]) -> list[Stop]:
+def _from(axis: int, side: float, across: str, path: ToolPath, own: NDArray[np.bool_]) -> list[RapidEnd]:
     """Out along `axis` as far as the farthest rapid, across, and in to the nearest end of a rapid beyond the place."""
     rapid, letter = path.kind == RAPID, "xyz"[axis]
     here = side * float(path.end[-1, axis])
@@ -104,19 +104,19 @@ def _from(axis: int, side: float, across: str, path: ToolPath, own: NDArray[np.b
     ends = side * path.end[rapid & own, axis]
     least = here if rapid[-1] else here + _SAME  # a rapid beside the part is none in the cut
     near = float(ends[ends >= least].min(initial=far))
-    stops = [Stop(axes=letter, at=side * far), Stop(axes=across)]
-    return [*stops, Stop(axes=letter, at=side * near)] if near < far else stops
+    stops = [RapidEnd(axes=letter, at=side * far), RapidEnd(axes=across)]
+    return [*stops, RapidEnd(axes=letter, at=side * near)] if near < far else stops
 
 
-def _into_bore(path: ToolPath, own: NDArray[np.bool_], side: float, others: str) -> list[Stop]:
+def _into_bore(path: ToolPath, own: NDArray[np.bool_], side: float, others: str) -> list[RapidEnd]:
     """In front of the part, to the X nearest to the wall at which the tool has gone by rapids, in, then outward."""
     rapid = path.kind == RAPID
     front = max(float(path.end[-1, _Z]), *path.start[rapid, _Z], *path.end[rapid, _Z])
     here = side * float(path.end[-1, _X])
     ends = side * path.end[rapid & own, _X]
     inside = float(ends[ends <= here + _SAME].max(initial=min(0.0, here)))
-    across = [Stop(axes=others)] if others else []
-    return [Stop(axes="z", at=front), *across, Stop(axes="x", at=side * inside), Stop(axes="z")]
+    across = [RapidEnd(axes=others)] if others else []
+    return [RapidEnd(axes="z", at=front), *across, RapidEnd(axes="x", at=side * inside), RapidEnd(axes="z")]
 
 
 def _side(control: Control, path: ToolPath, own: NDArray[np.bool_], side: float) -> str:

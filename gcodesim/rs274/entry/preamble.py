@@ -34,7 +34,7 @@ _LAST_OF_PROGRAM: Final = 5000
 
 
 @frozen
-class Stop:
+class RapidEnd:
     """Where a rapid of the approach ends: one axis `at` a place of the controlled point [m, in M], or all of `axes`
     where they are when the line is reached."""
 
@@ -51,7 +51,7 @@ class Approach:
     analog such as `E0`.
     """
 
-    stops: Sequence[Stop] = ()
+    stops: Sequence[RapidEnd] = ()
     last: str = "z"
     turns: bool = False
     feed: float = 0.0
@@ -216,7 +216,7 @@ def _way(control: Control, approach: Approach, words: _Words) -> Iterator[list[s
         yield [*words.g(10), *here, *feed]
 
 
-def _point_of(stop: Stop, control: Control) -> Sequence[float]:
+def _point_of(stop: RapidEnd, control: Control) -> Sequence[float]:
     """The place of a stop in the active work system."""
     if stop.at is None:
         return control.state.current
