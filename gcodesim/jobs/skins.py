@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from gcodesim.material.skin import Maker, PaintedSkin, deviations, makers_of_faces, skin_to_paint
+from gcodesim.material.skin import Maker, PaintedSkin, deviations, skin_to_paint
 
 if TYPE_CHECKING:
     from gcodesim.frames import Array
@@ -38,7 +38,7 @@ def painted(
     `regions` are the places out of tolerance, in the order of the results.
     """
     vertices, faces, points, normals = skin_to_paint(placed.stock)
-    made = makers_of_faces(passes, points, slack_of(placed.stock.cell))
+    made = passes.makers(points, slack_of(placed.stock.cell), within=True)
     known: dict[tuple[str, int, int], int] = {}
     keys = np.stack([made.program, made.row], axis=1)
     pairs, which = np.unique(keys, axis=0, return_inverse=True)

@@ -1,4 +1,4 @@
-"""Which of many passes of tools made a face, or came nearest to it."""
+"""How far a point is from what a pass of a tool swept."""
 
 from __future__ import annotations
 
@@ -87,27 +87,38 @@ def pass_distance(pieces: PassPieces, bodies: PassBodies, c: int, t: float, poin
 
 
 @kernel(lean=True)
-def nearest_pass(pieces: PassPieces, bodies: PassBodies, c: int, point: Array, length: float, enough: float) -> float:
-    """The least distance [m] of a point from the body of piece c, `length` [m] long; negative inside.
+def nearest_pass(
+    pieces: PassPieces, bodies: PassBodies, c: int, point: Array, enough: float, satisfied: float
+) -> float:
+    """The least distance [m] of a point from the body of piece c; negative inside.
 
-    Where it cannot be below `enough` it may be more.
+    Where it cannot be below `enough`, and once one is found that is no more than `satisfied`, it may be more.
     """
+    length = 0.0
+    bend = 0.0
+    for k in range(3):
+        way = pieces.ends[c, k] - pieces.starts[c, k]
+        length += way * way
+        bend += abs(pieces.axes_end[c, k] - pieces.axes_start[c, k])
+    length = np.sqrt(length)
     looks = max(2, min(MOST_LOOKS, 2 + int(2.0 * length / max(bodies.extent[pieces.body[c], 0], 1e-6))))
     best, at = np.inf, 0
     for k in range(looks):
         distance = pass_distance(pieces, bodies, c, k / (looks - 1.0), point)
         if distance < best:
             best, at = distance, k
-    bend = 0.0
-    for k in range(3):
-        bend += abs(pieces.axes_end[c, k] - pieces.axes_start[c, k])
-    way = length + bend * bodies.extent[pieces.body[c], 3]
-    if way == 0.0 or best - 0.5 * way / (looks - 1.0) >= enough:  # no point of it moves farther between two looks
+            if distance <= satisfied:
+                return best
+    way = length + bend * bodies.extent[pieces.body[c], 3]  # no point of the body moves farther
+    if way == 0.0 or best - 0.5 * way / (looks - 1.0) >= enough:
         return best
     low, high = max(at - 1, 0) / (looks - 1.0), min(at + 1, looks - 1) / (looks - 1.0)
     a, b = high - SHARE * (high - low), low + SHARE * (high - low)
     at_a, at_b = pass_distance(pieces, bodies, c, a, point), pass_distance(pieces, bodies, c, b, point)
     for _ in range(NARROWINGS):
+        least = min(at_a, at_b)
+        if least <= satisfied or least - (1.0 - SHARE) * (high - low) * way >= enough:
+            break
         if at_a <= at_b:
             high, b, at_b = b, a, at_a
             a = high - SHARE * (high - low)
@@ -117,58 +128,3 @@ def nearest_pass(pieces: PassPieces, bodies: PassBodies, c: int, point: Array, l
             b = low + SHARE * (high - low)
             at_b = pass_distance(pieces, bodies, c, b, point)
     return min(best, at_a, at_b)
-
-
-@kernel(lean=True)
-def least_gap(pieces: PassPieces, bodies: PassBodies, c: int, point: Array) -> float:
-    """A distance [m] from piece c that the point is not nearer than: that of the cylinder around the body."""
-    start, end = pieces.starts[c], pieces.ends[c]
-    b = int(pieces.body[c])
-    widest, low, high, far = bodies.extent[b, 0], bodies.extent[b, 1], bodies.extent[b, 2], bodies.extent[b, 3]
-    x, y, z = point[0] - start[0], point[1] - start[1], point[2] - start[2]
-    mx, my, mz = end[0] - start[0], end[1] - start[1], end[2] - start[2]
-    if bodies.lathe:
-        x, y, my = float(np.sqrt(point[0] * point[0] + point[1] * point[1])) - start[0], 0.0, 0.0
-        length = mx * mx + mz * mz
-        t = min(max((x * mx + z * mz) / length, 0.0), 1.0) if length > 0.0 else 0.0
-        x, z = x - t * mx, z - t * mz
-        return float(np.sqrt(x * x + z * z) - far)
-    axis, other = pieces.axes_start[c], pieces.axes_end[c]
-    bend = abs(other[0] - axis[0]) + abs(other[1] - axis[1]) + abs(other[2] - axis[2])
-    along = x * axis[0] + y * axis[1] + z * axis[2]
-    climb = mx * axis[0] + my * axis[1] + mz * axis[2]
-    x, y, z = x - along * axis[0], y - along * axis[1], z - along * axis[2]
-    mx, my, mz = mx - climb * axis[0], my - climb * axis[1], mz - climb * axis[2]
-    length = mx * mx + my * my + mz * mz
-    t = min(max((x * mx + y * my + z * mz) / length, 0.0), 1.0) if length > 0.0 else 0.0
-    x, y, z = x - t * mx, y - t * my, z - t * mz
-    gap = float(np.sqrt(x * x + y * y + z * z)) - widest
-    gap = max(gap, low - max(along, along - climb), min(along, along - climb) - high)
-    return float(gap - bend * far)
-
-
-@kernel
-def makers_of(
-    points: Array, pieces: PassPieces, bodies: PassBodies, slack: float, maker: NDArray[np.int64], gap: Array
-) -> None:
-    """For each point (n, 3) the first piece that came to within `slack` [m], else the one that came nearest.
-
-    `maker` (n,) is -1 where there are no pieces; gap (n,) [m] is how near the piece came, negative inside.
-    """
-    count = pieces.body.shape[0]
-    length = np.zeros(count)
-    for c in range(count):
-        way = pieces.ends[c] - pieces.starts[c]
-        length[c] = np.sqrt(way[0] * way[0] + way[1] * way[1] + way[2] * way[2])
-    for p in range(points.shape[0]):
-        point = points[p]
-        maker[p], gap[p] = -1, np.inf
-        for c in range(count):
-            far = least_gap(pieces, bodies, c, point)
-            if far > slack and far >= gap[p]:
-                continue
-            distance = nearest_pass(pieces, bodies, c, point, length[c], max(slack, gap[p]))
-            if distance < gap[p]:
-                maker[p], gap[p] = c, distance
-            if distance <= slack:
-                break

@@ -6,13 +6,16 @@ They are kept only for runs with a target. Cutting needs nothing of them, so its
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.frozen import frozen
 from gcodesim.material.pass_kernels import PassBodies, PassPieces
+
+if TYPE_CHECKING:
+    from gcodesim.material.pass_tree_kernels import PassTree
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -40,6 +43,7 @@ class Passes:
         self._lathe = lathe
         self._outlines: list[Array] = []
         self._parts: list[tuple[PassPieces, Ints, Ints]] = []
+        self._known: tuple[PassPieces, PassTree] | None = None
 
     def add(self, outline: Array, pieces: PassPieces, rows: Ints, program: int = 0) -> None:
         """Go on with pieces of the body of `outline` (k, 2) [m], across and along its axis; rows (c,).
@@ -65,24 +69,19 @@ class Passes:
     ) -> Makers:
         """For each point (n, 3) [m] in S the first pass that came to within `slack` [m], else the nearest one.
 
-        `wanted`: for each program, which of its path rows count. `within`: passes that come near none of the points
-        do not matter.
+        `wanted`: for each program, which of its path rows count. `within`: only passes count that came so near.
         """
-        from gcodesim.material.pass_kernels import makers_of
+        from gcodesim.material.pass_tree_kernels import makers_of
 
         pieces, rows, programs = self._joined()
-        if within and len(rows) and len(points):
-            near = _near(pieces, self._bodies(), points, slack)
-            pieces, rows, programs = _only(pieces, near), rows[near], programs[near]
-        if wanted is not None and len(rows):
-            chosen = np.zeros(len(rows), dtype=bool)
-            for number, own in enumerate(wanted):
-                mine = programs == number
-                chosen[mine] = own[rows[mine]]
-            pieces, rows, programs = _only(pieces, chosen), rows[chosen], programs[chosen]
+        chosen = np.ones(len(rows), dtype=bool)
+        for number, own in enumerate(wanted or ()):
+            mine = programs == number
+            chosen[mine] = own[rows[mine]]
         maker, gap = np.full(len(points), -1, dtype=np.int64), np.full(len(points), np.inf)
         if len(rows) and len(points):
-            makers_of(np.ascontiguousarray(points), pieces, self._bodies(), slack, maker, gap)
+            places = np.ascontiguousarray(points)
+            makers_of(places, pieces, self._bodies(), self._tree(), chosen, slack, within, maker, gap)
         known = maker >= 0
         row = np.full(len(points), -1, dtype=np.int64)
         program = np.zeros(len(points), dtype=np.int64)
@@ -107,6 +106,15 @@ class Passes:
             rows, programs = (np.concatenate([part[k] for part in self._parts]) for k in (1, 2))
             self._parts = [(PassPieces(*map(np.ascontiguousarray, parts)), rows, programs)]
         return self._parts[0]
+
+    def _tree(self) -> PassTree:
+        """Of all pieces until now."""
+        from gcodesim.material.pass_tree import pass_tree
+
+        pieces = self._joined()[0]
+        if self._known is None or self._known[0] is not pieces:
+            self._known = pieces, pass_tree(pieces, self._bodies())
+        return self._known[1]
 
     def _bodies(self) -> PassBodies:
         first = np.cumsum([0, *(len(outline) for outline in self._outlines)], dtype=np.int64)

@@ -12,7 +12,6 @@ from gcodesim.arithmetic.matrices import dots, norms
 from gcodesim.frozen import frozen
 
 if TYPE_CHECKING:
-    from gcodesim.material.passes import Makers, Passes
     from gcodesim.material.stock import Stock
 
 Array = NDArray[np.float64]
@@ -26,9 +25,6 @@ EDGES: Final = (8, 12, 20, 30, 45, 60)
 
 MOST_FACES: Final = 150_000
 """Faces that a skin may get by splitting long edges."""
-
-BLOCKS: Final = 24
-"""Faces are asked who made them by blocks, so many along the part: few passes come near to a block."""
 
 LOOK: Final = 0.25
 """How far beside a face one looks which way the target lies, in distances from it."""
@@ -140,24 +136,6 @@ def _inside(vertices: Array, faces: Faces, points: Array) -> NDArray[np.bool_]:
     z = points[:, 2:]
     found: NDArray[np.bool_] = there & (used & (columns.lo[i, j] < z) & (z < columns.hi[i, j])).any(axis=1)
     return found
-
-
-def makers_of_faces(passes: Passes, points: Array, slack: float) -> Makers:
-    """The first pass that made each point (n, 3) of a skin, within `slack` [m]; asked block by block."""
-    from gcodesim.material.passes import Makers
-
-    row = np.full(len(points), -1, dtype=np.int64)
-    program, gap = np.zeros(len(points), dtype=np.int64), np.full(len(points), np.inf)
-    low = points.min(axis=0)
-    size = float((points.max(axis=0) - low).max()) or 1.0
-    place = np.minimum(((points - low) / size * BLOCKS).astype(np.int64), BLOCKS - 1)
-    block = (place[:, 0] * BLOCKS + place[:, 1]) * BLOCKS + place[:, 2]
-    order = np.argsort(block, kind="stable")
-    for own in np.split(order, np.flatnonzero(np.diff(block[order])) + 1):
-        found = passes.makers(points[own], slack, within=True)
-        row[own], program[own], gap[own] = found.row, found.program, found.gap
-    row[gap > slack] = -1
-    return Makers(row=row, program=program, gap=gap)
 
 
 def middles(vertices: Array, faces: NDArray[Any]) -> tuple[Array, Array]:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from gcodesim.material import shape
-from gcodesim.material.pass_kernels import PassPieces
+from gcodesim.material.pass_kernels import PassPieces, nearest_pass
 from gcodesim.material.passes import Passes
 from gcodesim.material.solid_of_revolution import outline_of_slabs, slabs_of_shape
 
@@ -78,3 +78,51 @@ def test_on_a_lathe_a_blade_makes_a_face_all_around():
     passes.add(blade, pieces([(8, 0, 30), (8, 0, 10)]), np.array([5]))
     for turn in (0.0, 1.0, 2.5):
         assert row_at(passes, (8 * np.cos(turn), 8 * np.sin(turn), 20)) == (5, pytest.approx(0.0, abs=1e-6))
+
+
+def drawn_passes(seed, *, lathe):
+    """Two bodies by turns, short pieces and long ones, axes that turn, and a way back over the same places."""
+    rng = np.random.default_rng(seed)
+    passes = Passes(lathe=lathe)
+    for number in range(8):
+        points = np.cumsum(rng.normal(size=(30, 3)) * rng.choice([0.3, 8.0], size=(30, 1)), axis=0)
+        points[:, 1] *= not lathe
+        axes = rng.normal(size=(30, 3)) * 0.2 + UP
+        axes = np.tile(UP, (30, 1)) if lathe else axes / np.linalg.norm(axes, axis=1)[:, None]
+        straight = PassPieces(points[:-1] * MM, points[1:] * MM, axes[:-1], axes[1:], np.zeros(29, np.int32))
+        passes.add((MILL, BALL)[number % 2], straight, np.arange(29) + 100 * number)
+        passes.add((MILL, BALL)[number % 2], straight, np.arange(29) + 1000 + 100 * number)
+    return passes, rng.normal(size=(150, 3)) * [20 * MM, 20 * MM, 20 * MM]
+
+
+@pytest.mark.parametrize("lathe", [False, True])
+@pytest.mark.parametrize("seed", range(3))
+def test_no_pass_is_asked_in_vain_and_none_is_left_out(seed, lathe):
+    """The tree over the passes answers as if each point had asked each of them, one after the other."""
+    passes, points = drawn_passes(seed, lathe=lathe)
+    pieces, rows, _ = passes._joined()
+    bodies = passes._bodies()
+    slack = 1.0 * MM
+    wanted = [np.arange(2000) % 3 > 0]
+    some = np.flatnonzero(wanted[0][rows])
+    gaps = np.array([[nearest_pass(pieces, bodies, c, point, np.inf, -np.inf) for c in some] for point in points])
+    near = gaps <= slack
+    first, nearest = some[np.argmax(near, axis=1)], some[np.argmin(gaps, axis=1)]
+    assert 10 < near.any(axis=1).sum() < 140
+    told = passes.makers(points, slack, wanted)
+    assert told.row.tolist() == rows[np.where(near.any(axis=1), first, nearest)].tolist()
+    assert told.gap[~near.any(axis=1)].tolist() == gaps.min(axis=1)[~near.any(axis=1)].tolist()
+    within = passes.makers(points, slack, wanted, within=True)
+    assert within.row.tolist() == np.where(near.any(axis=1), rows[first], -1).tolist()
+    assert (within.gap <= slack).tolist() == near.any(axis=1).tolist()
+    deepest = passes.makers(points, -np.inf)
+    every = [[nearest_pass(pieces, bodies, c, point, np.inf, -np.inf) for c in range(len(rows))] for point in points]
+    assert deepest.gap.tolist() == np.min(every, axis=1).tolist()
+
+
+def test_a_pass_that_comes_after_is_known_as_well():
+    passes = Passes()
+    passes.add(MILL, pieces([(0, 0, 5), (40, 0, 5)]), np.array([7]))
+    assert row_at(passes, (20, 1, 5))[0] == 7
+    passes.add(MILL, pieces([(0, 30, 5), (40, 30, 5)]), np.array([8]))
+    assert row_at(passes, (20, 31, 5))[0] == 8
