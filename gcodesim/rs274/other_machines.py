@@ -9,7 +9,7 @@ from gcodesim.diagnostics import SourceText
 from gcodesim.frozen import frozen
 from gcodesim.rs274.dialects import Lathe
 
-ForeignKind = Literal["printer", "Klartext", "Sinumerik", "lathe"]
+ForeignKind = Literal["printer", "Klartext", "Sinumerik", "script", "lathe"]
 
 _HEAD: Final = 120_000  # bytes that are searched: posts and people say at the beginning what a program is for
 _NOTES = re.compile(rb"\([^)\r\n]*\)?|;[^\r\n]*")
@@ -22,6 +22,11 @@ _KLARTEXT = re.compile(
 _SINUMERIK = re.compile(
     rb"(?:^|(?<=[ \t]))(CYCLE[0-9]+[ \t]*\(|POCKET[0-9][ \t]*\(|WORKPIECE[ \t]*\(|[TD][ \t]?=|[XYZ][ \t]?=[ \t]?[A-Z(]"
     rb"|R[0-9]+[ \t]?=)",
+    re.MULTILINE,
+)
+_SCRIPT = re.compile(
+    rb"^[ \t]*((?:VAR|LET|CONST)[ \t]+[A-Z_$][A-Z0-9_$]*[ \t]*=|FUNCTION[ \t]+[A-Z_$][A-Z0-9_$]*[ \t]*\("
+    rb"|(?:TOOL|FEED|SPEED|I?RAPID|I?CUT|ARC|UNITS|REQUIRE|WORKPIECE)[ \t]*\([^\r\n]*\)[ \t]*;)",
     re.MULTILINE,
 )
 _HEATER = re.compile(rb"(?<![A-Z0-9])M0?(82|83|104|106|107|109|140|190)(?![0-9])")
@@ -42,10 +47,12 @@ class Foreign:
 
 
 def foreign_of(source: SourceText) -> Foreign | None:
-    """The kind of control that there is no dialect for: a 3D printer's, Heidenhain's or Siemens' own language."""
+    """The kind of control that there is no dialect for: a 3D printer's, Heidenhain's, Siemens', a script's."""
     head = source.raw[:_HEAD].upper()
     if match := _KLARTEXT.search(head):
         return _found("Klartext", match, head)
+    if match := _SCRIPT.search(head):
+        return _found("script", match, head)
     words = _without_notes(head)
     if match := _SINUMERIK.search(words):
         return _found("Sinumerik", match, words)

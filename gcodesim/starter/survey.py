@@ -130,6 +130,8 @@ def _why_no_cell(foreign: Foreign) -> str:
     unread = {"Klartext": "Heidenhain's Klartext", "Sinumerik": "a Sinumerik"}.get(foreign.kind)
     if unread is not None:
         return f"{unread} {place}; no dialect of gcodesim reads it"
+    if foreign.kind == "script":
+        return f"an interpreter of scripts {place}; let that make its own, as `tplang part.tpl > part.nc` of CAMotics"
     remedy = "write one with `dialect: fanuc_lathe`, `machine: lathe_xz`"
     return f"a lathe {place}; its cell cannot be guessed, {remedy}"
 

@@ -17,5 +17,9 @@ FOREIGN: Final = {
         "this is a program for a Sinumerik (`{word}`): no dialect here reads it",
         "let the post write plain blocks, for a Fanuc control as an example",
     ),
+    "script": (
+        "this is a script that makes a program (`{word}`), as those of CAMotics: no script is run here",
+        "let it make its program, as with `tplang part.tpl > part.nc` of CAMotics, and take that",
+    ),
 }
 """Message and hint of GS016 by the kind that `other_machines.foreign_of` finds; `{word}` is what gave it away."""

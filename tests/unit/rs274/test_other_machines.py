@@ -10,13 +10,22 @@ from gcodesim.rs274.other_machines import foreign_of, lathe_of
 
 PRINTED = ";FLAVOR:Marlin\nM140 S60\nM105\nG28\nM82\nG92 E0\nG1 X10 Y10 F3000\nG1 X60 E2.5 F1200\nM107\n"
 KLARTEXT = "0 BEGIN PGM P1 MM\n1 TOOL CALL 5 Z S3000\n2 L X+10 Y+10 R0 FMAX M3\n3 END PGM P1 MM\n"
+SCRIPT = "// a frame\n  rapid({z: 5});\ncut({x: 30});\n"
 SINUMERIK = 'N10 G17 G90 G94\nN20 T="MILL" D1\nN30 M6\nN40 G1 X10 F100\nN50 M30\n'
 FANUC_LATHE = "%\nO0007\nG50 S2000\nT0101\nG96 S180 M3\nG0 X52. Z2.\nG1 Z-30. F.2\nM30\n%\n"
 LINUXCNC_LATHE = "G21 G18 G7\nT1 M6\nS800 M3\nG0 X30 Z2\nG1 X24 Z0 F80\nZ-20\nM5\nM2\n"
 
 
 @pytest.mark.parametrize(
-    ("text", "line", "word"), [(PRINTED, 2, "printer"), (KLARTEXT, 1, "Klartext"), (SINUMERIK, 2, "Sinumerik")]
+    ("text", "line", "word"),
+    [
+        (PRINTED, 2, "printer"),
+        (KLARTEXT, 1, "Klartext"),
+        (SINUMERIK, 2, "Sinumerik"),
+        (SCRIPT, 2, "script"),
+        ("var depth = -2\ntool(1);\n", 1, "script"),
+        ("function side(x) {\n  cut({x: x})\n}\n", 1, "script"),
+    ],
 )
 @pytest.mark.parametrize("dialect", ["linuxcnc", "fanuc", "grbl"])
 def test_one_error_says_which_control_it_is(program, text, line, word, dialect) -> None:
@@ -46,6 +55,7 @@ def test_a_lathe_of_linuxcnc_moves_and_is_told(program) -> None:
         "G21 G90\nG0 X1 Y1\nM3 S100\nM106 S1\nG1 X5 F100\nM107\nM2\n",  # a router with a fan
         "(M104 S200 and E5 in a note)\nG1 X1 F100\nM2\n",
         "G1 X#<x=1> F100\nM2\n",
+        "(tool(1);)\nT1 M6\n(cut along the rim);\nM2\n",
         "#1=5\nX#1\nM2\n",
         "o1 call\nM2\n",
         "10 G1 X1\n",
