@@ -12,7 +12,8 @@ from gcodesim.diagnostics import SourceText
 from gcodesim.frozen import frozen
 from gcodesim.starter.first_cell import FirstCell, FirstTool, NoCellError
 from gcodesim.starter.scan import ScannedTool
-from gcodesim.starter.tool_files import ReadTool, ToolFile, ToolFileError, read_tools
+from gcodesim.starter.tool_files import ToolFile, ToolFileError, read_tools
+from gcodesim.starter.tool_keys import ReadTool
 from gcodesim.units import INCH, MM
 
 SUFFIX: Final = ".camotics"

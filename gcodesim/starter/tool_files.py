@@ -10,8 +10,8 @@ import json
 import math
 import re
 import zipfile
-from collections.abc import Iterator, Mapping
-from dataclasses import field, replace
+from collections.abc import Iterator
+from dataclasses import replace
 from io import BytesIO
 from pathlib import Path, PurePosixPath
 from typing import Any, Final
@@ -21,38 +21,21 @@ from gcodesim.diagnostics import SourceText
 from gcodesim.frozen import frozen
 from gcodesim.rs274 import ToolTable
 from gcodesim.rs274.tool_table import ToolEntry
+from gcodesim.starter.fusion_turning import TURNING, turning_tool
 from gcodesim.starter.scan import tool_in_words
+from gcodesim.starter.tool_keys import LEFT_OUT, Json, ReadTool, ToolKeys, number_of, whole_of
 from gcodesim.tools.lathe_tool import angles_of_edges
 from gcodesim.units import DEG, INCH, MM
-
-Json = Mapping[str, Any]
 
 LARGEST: Final = 64 * 1024 * 1024
 """Bytes of the largest library that is read."""
 
-
-LEFT_OUT: Final = "left out: "
-"""How the note of what is no tool begins."""
 
 EMPTY: Final = f"{LEFT_OUT}T0 is the empty spindle, no tool"
 
 
 class ToolFileError(Exception):
     """A file that holds no tools in a known form; the text says why."""
-
-
-@frozen
-class ReadTool:
-    """One tool of a file. `keys` are its keys in a cell, as text; none: it is refused, and `notes` say why."""
-
-    number: int
-    name: str
-    keys: Mapping[str, str] = field(default_factory=dict)
-    notes: tuple[str, ...] = ()
-
-    @property
-    def refused(self) -> bool:
-        return not self.keys and not "".join(self.notes[:1]).startswith(LEFT_OUT)
 
 
 @frozen
@@ -107,21 +90,6 @@ def _unpacked(path: Path, data: bytes) -> bytes:
         raise ToolFileError(f"{path} cannot be unpacked: {error}") from None
 
 
-def _number(value: Any) -> float | None:
-    """A finite number, or the number that a text such as `6.00 mm` begins with."""
-    if isinstance(value, bool) or value is None:
-        return None
-    if isinstance(value, str):
-        match = re.match(r"\s*([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)", value)
-        value = float(match[1]) if match else None
-    return float(value) if isinstance(value, int | float) and math.isfinite(value) else None
-
-
-def _whole(value: Any) -> int | None:
-    number = _number(value)
-    return int(number) if number is not None and number == int(number) else None
-
-
 def _flag(number: int | None, name: str) -> ReadTool | None:
     """The refusal of a number that no tool of a cell has."""
     if number is None:
@@ -131,40 +99,6 @@ def _flag(number: int | None, name: str) -> ReadTool | None:
     if not 1 <= number <= 99_999:
         return ReadTool(number=number, name=name, notes=("refused: its number is not within 1 to 99999",))
     return None
-
-
-def _quoted(text: str) -> str:
-    plain = " ".join("".join(c if c.isprintable() else " " for c in text).split())
-    return json.dumps(plain, ensure_ascii=False)
-
-
-class _Keys:
-    """Keys of one tool while they are gathered."""
-
-    def __init__(self, kind: str, name: str, unit: str) -> None:
-        self.found: dict[str, str] = {"type": kind}
-        if name.strip():
-            self.found["name"] = _quoted(name)
-        self.unit, self.notes = unit, list[str]()
-
-    def length(self, key: str, value: float | None) -> None:
-        if value is not None and value > 0.0:
-            self.found[key] = f"{round(value, 6):g} {self.unit}"
-
-    def angle(self, key: str, value: float | None) -> None:
-        if value is not None:
-            self.found[key] = f"{round(value, 6):g} deg"
-
-    def count(self, key: str, value: Any) -> None:
-        number = _whole(value)
-        if number is not None and number > 0:
-            self.found[key] = str(number)
-
-    def tool(self, number: int, name: str, needs: tuple[str, ...] = ("diameter",)) -> ReadTool:
-        lacking = [key for key in needs if key not in self.found]
-        if lacking:
-            return ReadTool(number=number, name=name, notes=(f"refused: it does not say its {lacking[0]}",))
-        return ReadTool(number=number, name=name, keys=self.found, notes=tuple(self.notes))
 
 
 _NEEDS: Final = {
@@ -180,7 +114,7 @@ _NEEDS: Final = {
 }
 
 
-def _made(keys: _Keys, number: int, name: str) -> ReadTool:
+def _made(keys: ToolKeys, number: int, name: str) -> ReadTool:
     return keys.tool(number, name, _NEEDS.get(keys.found["type"], ("diameter",)))
 
 
@@ -217,7 +151,7 @@ def _linuxcnc(path: Path, data: bytes, inch: bool) -> ToolFile:
             continue
         if _PROBE.search(entry.comment):
             told = replace(told, type="probe")
-        keys = _Keys(told.type, entry.comment, unit)
+        keys = ToolKeys(told.type, entry.comment, unit)
         keys.length("diameter", entry.diameter / si if entry.diameter > 0.0 else told.diameter)
         keys.length("corner_radius", told.corner_radius)
         keys.angle("point_angle", told.point_angle)
@@ -252,7 +186,7 @@ def _turns(entry: ToolEntry) -> bool:
 
 def _lathe_tip(entry: ToolEntry, unit: str, si: float) -> ReadTool:
     """A turning tool by nose and edges; D is twice the radius of its nose (LinuxCNC, tool table of lathes)."""
-    keys = _Keys("turning_tool", entry.comment, unit)
+    keys = ToolKeys("turning_tool", entry.comment, unit)
     orientation = entry.orientation if 1 <= entry.orientation <= 9 else 9
     keys.found["orientation"] = str(orientation)
     keys.length("nose_radius", 0.5 * entry.diameter / si)
@@ -307,26 +241,31 @@ def _fusion(library: Json) -> ToolFile:
 
 def _fusion_tool(entry: Json) -> ReadTool | None:
     word = str(entry.get("type", "")).strip().lower()
-    if word == "holder":
+    if word in ("holder", "tool block"):
         return None
     post, geometry = _mapping(entry.get("post-process")), _mapping(entry.get("geometry"))
     name = str(entry.get("description") or entry.get("product-id") or word)
-    number = _whole(post.get("number"))
+    number = whole_of(post.get("number"))
     if refusal := _flag(number, name):
         return refusal
     assert number is not None
-    if word not in _FUSION:
-        return ReadTool(number=number, name=name, notes=(f"refused: gcodesim knows no `{word}`",))
     unit = "in" if str(entry.get("unit", "")).startswith("inch") else "mm"
+    if word in TURNING:
+        keys = ToolKeys(TURNING[word], name, unit)
+        return turning_tool(number, name, keys, geometry, _mapping(entry.get("holder")))
+    if word not in _FUSION:
+        has_outline = word == "form mill" or word.startswith("circle segment")
+        way = "; `profile_mill` takes its outline" if has_outline else ""
+        return ReadTool(number=number, name=name, notes=(f"refused: gcodesim knows no `{word}`{way}",))
 
     def value(key: str) -> float | None:
-        return _number(geometry.get(key))
+        return number_of(geometry.get(key))
 
     kind = _FUSION[word]
     taper, corner, tip = value("TA"), value("RE"), value("tip-diameter")
     if kind == "taper":
         kind = "taper_ball_end_mill" if corner and taper else "engraver"
-    keys = _Keys(kind, name, unit)
+    keys = ToolKeys(kind, name, unit)
     keys.length("diameter", value("DC"))
     if kind == "face_mill":
         keys.length("diameter", value("DCX") or value("DC"))
@@ -373,11 +312,11 @@ def _fusion_tool(entry: Json) -> ReadTool | None:
     return _made(keys, number, name)
 
 
-def _fusion_holder(entry: Json, keys: _Keys) -> None:
+def _fusion_holder(entry: Json, keys: ToolKeys) -> None:
     segments = _mapping(entry.get("holder")).get("segments")
     parts = [part for part in segments if isinstance(part, dict)] if isinstance(segments, list) else []
-    heights = [_number(part.get("height")) or 0.0 for part in parts]
-    wide = [max(_number(part.get(key)) or 0.0 for key in ("lower-diameter", "upper-diameter")) for part in parts]
+    heights = [number_of(part.get("height")) or 0.0 for part in parts]
+    wide = [max(number_of(part.get(key)) or 0.0 for key in ("lower-diameter", "upper-diameter")) for part in parts]
     if parts and sum(heights) > 0.0 and max(wide) > 0.0:
         sizes = f"diameter: {round(max(wide), 6):g} {keys.unit}, length: {round(sum(heights), 6):g} {keys.unit}"
         keys.found["holder"] = f"{{{sizes}}}"
@@ -434,14 +373,14 @@ def _freecad_value(value: Any) -> float | None:
     Of dots and commas the last is that of the decimals.
     """
     if not isinstance(value, str):
-        return _number(value)
+        return number_of(value)
     match = _FREECAD_VALUE.fullmatch(value)
     if match is None or match[3] not in _FREECAD_UNITS:
         return None
     digits = match[1]
     last = max(digits.rfind("."), digits.rfind(","))
     whole = digits if last < 0 else digits[:last].replace(".", "").replace(",", "") + "." + digits[last + 1 :]
-    number = _number(whole if whole[-1:] != "." else whole[:-1])
+    number = number_of(whole if whole[-1:] != "." else whole[:-1])
     parts = int(match[2] or 1)
     return None if number is None or parts == 0 else number / parts * _FREECAD_UNITS[match[3]]
 
@@ -451,7 +390,7 @@ def _freecad_library(library: Json, path: Path) -> ToolFile:
     for entry in library.get("tools") or ():
         if not isinstance(entry, dict):
             continue
-        number, place = _whole(entry.get("nr")), str(entry.get("path", ""))
+        number, place = whole_of(entry.get("nr")), str(entry.get("path", ""))
         name = PurePosixPath(place.replace("\\", "/")).name
         if refusal := _flag(number, name):
             tools.append(refusal)
@@ -482,7 +421,7 @@ def _freecad(number: int, bit: Json) -> ReadTool:
         return ReadTool(number=number, name=name, notes=(f"refused: gcodesim knows no tool of the shape `{shape}`",))
     parameters = {**_mapping(bit.get("attribute")), **_mapping(bit.get("parameter"))}
     kind = _FREECAD[shape]
-    keys = _Keys(kind, name, "mm")
+    keys = ToolKeys(kind, name, "mm")
     used = {"Diameter", "Length", "ShankDiameter", "Flutes", "Material", "Chipload", "SpindleDirection", "ToolBitID"}
 
     def value(key: str) -> float | None:
@@ -546,7 +485,7 @@ def _camotics(project: Json) -> ToolFile:
     for key, entry in project["tools"].items():
         if not isinstance(entry, dict):
             continue
-        number = _whole(entry.get("number", key))
+        number = whole_of(entry.get("number", key))
         name = str(entry.get("description") or "")
         refusal = _flag(number, name)
         if refusal is None:
@@ -560,21 +499,21 @@ def _camotics_tool(number: int, name: str, entry: Json, project: Json) -> ReadTo
     shape = str(entry.get("shape", "cylindrical")).lower()
     units = str(entry.get("units", project.get("units", "metric"))).lower()
     unit = "in" if units in ("imperial", "inch") else "mm"
-    diameter, length = _number(entry.get("diameter")), _number(entry.get("length"))
-    tip = _number(entry.get("snub_diameter"))
+    diameter, length = number_of(entry.get("diameter")), number_of(entry.get("length"))
+    tip = number_of(entry.get("snub_diameter"))
     if shape == "cylindrical":
-        keys = _Keys("flat_end_mill", name, unit)
+        keys = ToolKeys("flat_end_mill", name, unit)
     elif shape == "ballnose":
-        keys = _Keys("ball_end_mill", name, unit)
+        keys = ToolKeys("ball_end_mill", name, unit)
     elif shape in ("conical", "snubnose"):
-        keys = _Keys("v_bit", name, unit)
+        keys = ToolKeys("v_bit", name, unit)
         if diameter and length:
             half = atan2(0.5 * (diameter - (tip or 0.0 if shape == "snubnose" else 0.0)), length)
             keys.angle("angle", math.degrees(2.0 * half))
         if shape == "snubnose":
             keys.length("tip_diameter", tip)
     elif shape == "spheroid" and diameter and length and abs(length - diameter) < 1e-6 * diameter:
-        keys = _Keys("lollipop_mill", name, unit)
+        keys = ToolKeys("lollipop_mill", name, unit)
         keys.notes.append("approximated: a ball on a neck of half its diameter")
     else:
         return ReadTool(number=number, name=name, notes=(f"refused: gcodesim knows no tool of the shape `{shape}`",))
@@ -593,7 +532,7 @@ def _camotics_stock(project: Json) -> str:
     corners = [bounds.get("min"), bounds.get("max")]
     if workpiece.get("automatic") or not all(isinstance(c, list) and len(c) == 3 for c in corners):
         return ""
-    values = [[_number(part) for part in corner or ()] for corner in corners]
+    values = [[number_of(part) for part in corner or ()] for corner in corners]
     if any(part is None for corner in values for part in corner):
         return ""
     low, high = (f"[{', '.join(f'{part:g}' for part in corner)} mm]" for corner in values)

@@ -108,9 +108,46 @@ def test_a_library_of_fusion(tmp_path, packed):
     assert (tools[3].angle, tools[3].tip_diameter) == pytest.approx((math.radians(90.0), 1e-3))
     assert tools[3].holder.length == pytest.approx(50e-3)
     assert any("widest of its segments" in note for note in notes_of(found, 3))
-    assert notes_of(found, 4) == ["refused: gcodesim knows no `form mill`"]
+    assert notes_of(found, 4) == ["refused: gcodesim knows no `form mill`; `profile_mill` takes its outline"]
     assert (tools[5].diameter, tools[5].corner_radius) == pytest.approx((12.7e-3, 0.03 * 25.4e-3))
     assert tools[6].point_angle == pytest.approx(math.radians(140.0))
+
+
+def test_turning_tools_of_fusion(tmp_path):
+    def entry(number, kind, geometry, holder, unit="millimeters"):
+        post = {"number": number}
+        return {"type": kind, "unit": unit, "geometry": geometry, "holder": holder, "post-process": post}
+
+    rhomb = {"SC": "C", "RE": 0.03125, "INSD": 0.5, "EPSR": 0, "TC": "M", "OAL": 1.18}
+    library = [
+        entry(1, "turning general", rhomb, {"HAND": "R", "W": 0.75, "THSC": "L"}, "inches"),
+        entry(2, "turning general", {"SC": "D", "RE": 0.4, "INSD": 9.525}, {"HAND": "L"}),
+        entry(
+            3, "turning boring", {"SC": "T", "RE": 0.4, "INSD": 9.525}, {"HAND": "R", "THSC": "boring bar f", "W": 16}
+        ),
+        entry(4, "turning grooving", {"SC": "groove square", "tool_insertWidth": 2.7, "CDX": 9}, {}),
+        entry(5, "turning threading", {"thread-profile-angle": 55, "tool_internalThread": True}, {}),
+        entry(6, "turning general", {"SC": "R", "INSD": 8}, {"HAND": "N"}),
+        entry(7, "turning general", {"SC": "custom"}, {}),
+        {"type": "tool block", "description": "20MM ID", "post-process": {"number": None}},
+    ]
+    file = tmp_path / "lathe.json"
+    file.write_text(json.dumps({"data": library}))
+    found = read_tools(file)
+    tools = tools_of(found)
+
+    assert [tool.number for tool in found.tools] == [1, 2, 3, 4, 5, 6, 7]
+    first = tools[1]
+    assert (first.kind, first.orientation, tools[2].orientation, tools[3].orientation) == ("turning_tool", 2, 1, 3)
+    assert first.nose_radius == pytest.approx(0.79375e-3) and first.width == pytest.approx(19.05e-3)
+    assert first.edge == pytest.approx(12.9e-3, abs=0.01e-3)  # as ISO 883 has it for 12.7 mm
+    assert tools[3].kind == "boring_tool" and tools[3].edge == pytest.approx(16.5e-3, abs=0.01e-3)
+    assert (tools[4].kind, tools[4].side) == ("grooving_tool", "outside")
+    assert tools[4].width == pytest.approx(2.7e-3)
+    assert (tools[5].side, tools[5].angle) == ("inside", pytest.approx(math.radians(55.0)))
+    assert tools[6].round and tools[6].nose_radius == pytest.approx(4e-3)
+    assert notes_of(found, 7) == ["refused: it does not say its tip_angle"]
+    assert any("usual one" in note for note in notes_of(found, 1)) and any("CDX" in note for note in notes_of(found, 4))
 
 
 def test_bits_and_libraries_of_freecad(tmp_path):
