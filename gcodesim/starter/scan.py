@@ -65,7 +65,8 @@ _KINDS: Final = (
     ("spot", "spot_drill"),
     ("ball", "ball_end_mill"),
     ("bull", "bull_nose_end_mill"),
-    *((word, "drill") for word in ("drill", "bore", "bohr", "broca", "foret", "taladr", "tap", "reamer")),
+    *((word, "face_mill") for word in ("face mill", "facemill", "shell mill")),
+    *((word, "drill") for word in ("drill", "jobber", "bore", "bohr", "broca", "foret", "taladr", "tap", "reamer")),
 )
 
 

@@ -145,12 +145,12 @@ def _linuxcnc(path: Path, data: bytes, inch: bool) -> ToolFile:
             tools.append(ReadTool(number=number, name=entry.comment, notes=(why,)))
             continue
         told = tool_in_words(number, entry.comment, inch)
+        if _PROBE.search(entry.comment):
+            told = replace(told, type="probe")
         named = told.type != "flat_end_mill" or _MILL.search(entry.comment) is not None
         if _turns(entry) and not named:
             tools.append(_lathe_tip(entry, unit, si))
             continue
-        if _PROBE.search(entry.comment):
-            told = replace(told, type="probe")
         keys = ToolKeys(told.type, entry.comment, unit)
         keys.length("diameter", entry.diameter / si if entry.diameter > 0.0 else told.diameter)
         keys.length("corner_radius", told.corner_radius)
@@ -160,7 +160,8 @@ def _linuxcnc(path: Path, data: bytes, inch: bool) -> ToolFile:
         if not named:
             keys.notes.append("approximated: a table does not say what kind of tool it is; a flat end mill is assumed")
         else:
-            keys.notes.append(f"approximated: the comment speaks of a {told.type.replace('_', ' ')}")
+            spoken = told.type.replace("_", " ")
+            keys.notes.append(f"approximated: the comment speaks of a{'n' if spoken[0] in 'aeiou' else ''} {spoken}")
         if told.diameter is not None and entry.diameter > 0.0 and abs(told.diameter * si - entry.diameter) > 0.02 * MM:
             keys.notes.append(
                 f"differs: D is {entry.diameter / si:g} {unit}, the comment says {told.diameter:g} {unit}"

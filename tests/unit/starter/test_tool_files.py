@@ -113,6 +113,24 @@ def test_a_library_of_fusion(tmp_path, packed):
     assert tools[6].point_angle == pytest.approx(math.radians(140.0))
 
 
+def test_tables_of_strangers(tmp_path):
+    """Comments as they stand in tables that people share."""
+    table = tmp_path / "tool.tbl"
+    table.write_text(
+        ";Tool  Pocket Z Offset Diameter Remark\n"
+        "T1   P1  Z+0.0    D+1.0   ; 150 Series High-Speed Steel Jobber\n"
+        "T14  P14 Z+69.67  D+50.0  ; Face Mill\n"
+        "T21  P21 Z+61.14  D+0.0   ; unknown - 90deg 6mm engraver\n"
+        "T99  P99 Z+129.25 D+3.175 ; touch probe\n"
+    )
+    found = read_tools(table)
+
+    assert [tool.keys["type"] for tool in found.tools] == ["drill", "face_mill", "engraver", "probe"]
+    assert [notes_of(found, number)[0].partition("speaks of ")[2] for number in (1, 14, 21, 99)] == [
+        "a drill", "a face mill", "an engraver", "a probe",
+    ]  # fmt: skip
+
+
 def test_turning_tools_of_fusion(tmp_path):
     def entry(number, kind, geometry, holder, unit="millimeters"):
         post = {"number": number}
