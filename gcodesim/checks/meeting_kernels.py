@@ -38,6 +38,7 @@ LEVELS = 64
 SHARE = 2e-4  # of itself by which a least gap may be too large, besides the tolerance
 WINDOW = 1e-3  # [m] by which two bodies are above a level when their gap is not worked out
 AGAIN = 2  # samples on a stretch that begins in contact
+LEAST_SHARE = 0.05  # of such a stretch, up to which the place of the least gap is sought
 
 
 class Forest(NamedTuple):
@@ -65,7 +66,11 @@ class Meetings(NamedTuple):
 
 
 class Walk(NamedTuple):
-    """Room to work in: pairs by level of bisection and how many; intervals; two trees; poses; state of each pair."""
+    """Room to work in: pairs by level of bisection and how many; intervals; two trees; poses; state of each pair.
+
+    Of a pair below the level, `ended` (p,) is its gap [m] at the end of the stretch that was `last`; `sinks` (p,) says
+    that it is the least so far, found there without a look at what lies just before.
+    """
 
     alive: Ints
     many: Ints
@@ -76,6 +81,8 @@ class Walk(NamedTuple):
     swing: Array
     last: Ints
     open: Ints
+    ended: Array
+    sinks: Ints
     best: Array
 
 
@@ -91,6 +98,8 @@ def walk_room(pairs: int, joints: int, deepest: int) -> Walk:
         np.zeros(joints),
         np.full(pairs, -2, dtype=np.int64),
         np.full(pairs, -1, dtype=np.int64),
+        np.zeros(pairs),
+        np.zeros(pairs, dtype=np.int64),
         np.zeros(1),
     )
 
@@ -239,6 +248,84 @@ def first_on(
 
 
 @kernel
+def goes_on(
+    p: int,
+    pair: Ints,
+    place: tuple[int, float, float],
+    scene: tuple[Couple, JointTree, WayColumns, Forest, Convexes],
+    walk: Walk,
+    rooms: tuple[WayRoom, GapRoom],
+    found: Meetings,
+) -> bool:
+    """Whether a pair that begins a stretch below the level stays so all along it, as one gap at its end shows.
+
+    A gap changes by no more than the way of one body against the other; between the ends of the stretch it is within
+    half of that way of one of them. Where the end is the least so far it is kept in the row of the pair, and what lies
+    just before it waits until the gap has begun to grow. False also where something deeper may lie in between.
+    """
+    couple, chain, way, forest, bodies = scene
+    k, t, level = place
+    if t > 0.0:
+        return False
+    for j in range(way.q.shape[1]):
+        walk.swing[j] = abs(way.q[k + 1, j] - way.q[k, j])
+    between = 0.5 * range_of(p, couple, walk.swing)
+    begin = walk.ended[p]
+    if begin + between > level:
+        return False
+    end = least_gap(p, pair, (k, 1.0, level), couple, chain, way, forest, bodies, walk, rooms)
+    if end + between > level:
+        return False
+    e = walk.open[p]
+    if end < found.figures[e, 2]:
+        walk.sinks[p] = 1
+        found.figures[e, 1], found.figures[e, 2], found.rows[e, 3] = 1.0, end, k
+    elif walk.sinks[p] > 0 or min(begin, end) - between < found.figures[e, 2]:
+        return False
+    walk.ended[p] = end
+    found.rows[e, 2] = k
+    return True
+
+
+@kernel
+def deepen(
+    p: int,
+    pair: Ints,
+    place: tuple[int, float, float],
+    bracket: tuple[float, float, float, float],
+    scene: tuple[Couple, JointTree, WayColumns, Forest, Convexes],
+    walk: Walk,
+    rooms: tuple[WayRoom, GapRoom],
+    found: Meetings,
+) -> None:
+    """Look for the least gap between two shares of a stretch by golden section, and keep it in the row of the pair.
+
+    `bracket`: both shares, how near they come to each other at last, and the least gap known there, that of `place`.
+    """
+    couple, chain, way, forest, bodies = scene
+    k, at, level = place
+    low, high, enough, best = bracket
+    for _ in range(ROUNDS):
+        if high - low < enough:
+            break
+        left, right = high - GOLDEN * (high - low), low + GOLDEN * (high - low)
+        at_left = least_gap(p, pair, (k, left, level), couple, chain, way, forest, bodies, walk, rooms)
+        at_right = least_gap(p, pair, (k, right, level), couple, chain, way, forest, bodies, walk, rooms)
+        if at_left < best:
+            best, at = at_left, left
+        if at_right < best:
+            best, at = at_right, right
+        if at_left <= at_right:
+            high = right
+        else:
+            low = left
+    e = walk.open[p]
+    if best < found.figures[e, 2]:
+        found.figures[e, 1], found.figures[e, 2] = at, best
+        found.rows[e, 3] = k
+
+
+@kernel
 def follow(
     p: int,
     pair: Ints,
@@ -255,7 +342,11 @@ def follow(
     """
     couple, chain, way, forest, bodies = scene
     k, t, level = place
-    e = walk.open[p]
+    if not fresh and goes_on(p, pair, place, scene, walk, rooms, found):
+        return 1.0
+    if not fresh and walk.sinks[p] > 0:
+        deepen(p, pair, (k - 1, 1.0, level), (0.0, 1.0, 0.5 * LEAST_SHARE, walk.ended[p]), scene, walk, rooms, found)
+    walk.sinks[p] = 0
     count = HALVINGS + SAMPLES if fresh else AGAIN
     best, before, after, past, end = math.inf, t, 1.0, t, 1.0
     at = t
@@ -270,6 +361,7 @@ def follow(
         else:
             here = t + (1.0 - t) * i / AGAIN
         gap = least_gap(p, pair, (k, here, level), couple, chain, way, forest, bodies, walk, rooms)
+        walk.ended[p] = gap
         if pending:
             after = here
             pending = False
@@ -282,27 +374,9 @@ def follow(
             break
     if pending:
         after = past
-    low, high = before, after
-    for _ in range(ROUNDS):
-        if high - low < 1e-9:
-            break
-        left, right = high - GOLDEN * (high - low), low + GOLDEN * (high - low)
-        at_left = least_gap(p, pair, (k, left, level), couple, chain, way, forest, bodies, walk, rooms)
-        at_right = least_gap(p, pair, (k, right, level), couple, chain, way, forest, bodies, walk, rooms)
-        if at_left < best:
-            best, at = at_left, left
-        if at_right < best:
-            best, at = at_right, right
-        if at_left <= at_right:
-            high = right
-        else:
-            low = left
-        if not fresh and high - low < 0.05:
-            break
-    if best < found.figures[e, 2]:
-        found.figures[e, 1], found.figures[e, 2] = at, best
-        found.rows[e, 3] = k
-    found.rows[e, 2] = k
+    enough = 1e-9 if fresh else LEAST_SHARE
+    deepen(p, pair, (k, at, level), (before, after, enough, best), scene, walk, rooms, found)
+    found.rows[walk.open[p], 2] = k
     return end
 
 
