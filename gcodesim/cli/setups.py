@@ -9,13 +9,11 @@ import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from signal import SIGINT
 from typing import TYPE_CHECKING, Any
 
 from gcodesim import compiled
 from gcodesim.cli.exits import UsageError
 from gcodesim.cli.formats import write_formats
-from gcodesim.cli.interrupts import interrupted_by
 from gcodesim.cli.judging import Met, settle
 from gcodesim.cli.language import files_of, said_of_reading
 from gcodesim.cli.options import read_source
@@ -59,22 +57,30 @@ def run_job(arguments: argparse.Namespace) -> int:
             bar(now)
             stop.obey()
 
+        done: list[SetupRun] = []
         with _told(arguments.out):
-            done = list(run_setups(job, _how(job, arguments, progress, out=arguments.out)))
-    interrupted = bool(done) and done[-1].state == "interrupted"
-    if interrupted:
+            for one in run_setups(job, _how(job, arguments, progress, out=arguments.out)):
+                done.append(one)
+                if stop.signal:
+                    break
+    planned = sum(not setup.skip for setup in job.setups)
+    interrupted = bool(done) and (len(done) < planned or done[-1].state == "interrupted")
+    if interrupted or stop.signal:
         arguments.write_baseline = None
-    else:
+    if not interrupted:
         text = json.dumps(clean(setups_as_json(done)), indent=1, ensure_ascii=False)
         with _told(arguments.out):
             write_whole(path, f"{text}\n".encode())
     status = _tell(job, done, arguments)
     if arguments.format == "text":
         folders = ", ".join(one.setup.name for one in done if one.folder is not None)
-        print(f"\n  {path} has the results of all; folders beside it: {folders}")
+        if interrupted:
+            print(f"\n  interrupted: {len(done)} of {planned} set-ups began; folders in {arguments.out}: {folders}")
+        else:
+            print(f"\n  {path} has the results of all; folders beside it: {folders}")
         print(f"  look at it: `gcodesim report {arguments.out}`")
     note_effort(begin, sum(one.results["time"]["total_s"] for one in done if one.state != "unchanged"))
-    return interrupted_by(stop.signal or SIGINT) if interrupted else status
+    return stop.status(status, interrupted=interrupted)
 
 
 def check_job(arguments: argparse.Namespace) -> int:

@@ -233,7 +233,7 @@ def _run_program(arguments: argparse.Namespace, live: LiveView | None, window: S
             except OSError as error:
                 raise UsageError(unwritten(arguments.out, error)) from None
     interrupted = execution is not None and execution.interrupted
-    if interrupted:
+    if interrupted or stop.signal:
         arguments.write_baseline = None  # the findings of a partial run are no basis for a baseline
     settled = settle([_met(arguments, path, loaded, job, results)], arguments)
     if arguments.format == "json":
@@ -251,7 +251,7 @@ def _run_program(arguments: argparse.Namespace, live: LiveView | None, window: S
         write_parameters(job.reading, arguments)
     if execution is not None:
         note_effort(begin, results.times.total)
-    return interrupted_by(stop.signal or SIGINT) if interrupted else settled.status
+    return stop.status(settled.status, interrupted=interrupted)
 
 
 def note_effort(begin: float, simulated: float) -> None:
@@ -291,9 +291,13 @@ def announce_compiling(signature: str, obstacle: str) -> None:
 
 
 class RunStop:
-    """Ctrl-C or SIGTERM during a run: the first finishes the current steps and closes the log, a second does not."""
+    """Ctrl-C or SIGTERM during a run: the first finishes the current steps and closes the log, a second does not.
+
+    Before the run moves, nothing is open and the first one ends it at once.
+    """
 
     signal = 0  # the signal that arrived
+    _moves = False
 
     def __enter__(self) -> RunStop:
         self._handled = handled(self._ask)
@@ -301,16 +305,23 @@ class RunStop:
         return self
 
     def _ask(self, number: int, _frame: FrameType | None) -> None:
-        if self.signal:
+        if self.signal or not self._moves:
             raise Interrupted(number)
         self.signal = number
         # not print: a signal may come while a stream is in use
         os.write(2, b"gcodesim: stopping; the log is closed first (Ctrl-C again stops at once)\n")
 
     def obey(self) -> None:
-        """End the run if that was requested."""
+        """End the run, which has moved, if that was requested."""
+        self._moves = True
         if self.signal:
             raise Interrupted(self.signal)
+
+    def status(self, status: int, *, interrupted: bool) -> int:
+        """The exit status of a run that would else have `status`; says if the signal came when the run was over."""
+        if self.signal and not interrupted:
+            note("interrupted when the run was over; what it wrote is whole")
+        return interrupted_by(self.signal or SIGINT) if interrupted or self.signal else status
 
     def __exit__(self, *_: object) -> None:
         self._handled.__exit__(None, None, None)

@@ -62,7 +62,8 @@ def import_pybullet() -> Any:
     if "pybullet" in sys.modules:
         give_to(sys.modules["pybullet"])
         return sys.modules["pybullet"]
-    sys.stderr.flush()
+    if sys.stderr is not None:  # a worker of somebody who has closed it
+        sys.stderr.flush()
     kept = os.dup(2)
     null = os.open(os.devnull, os.O_WRONLY)
     try:

@@ -13,6 +13,7 @@ from typing import Any
 import pytest
 
 import gcodesim
+from gcodesim import simulation
 from gcodesim.executor import loop, pacing
 from gcodesim.log.logfile import LogFile
 from gcodesim.log.reader import decoded
@@ -149,6 +150,46 @@ def test_a_signal_in_a_run_of_test_and_accept_has_its_own_status(
     for command in ("accept", "test"):
         done = cli(command, "slot.nc", "--cell", "cell.yaml")
         assert (done.status, done.err) == (128 + number, "gcodesim: interrupted\n")
+
+
+def test_a_signal_before_a_run_moves_ends_it_at_once(cli, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """Planning may take minutes, and nothing is open yet that would be closed."""
+    monkeypatch.setattr("gcodesim.cli.simulate.prepare", lambda *_: signal.raise_signal(signal.SIGTERM))
+    done = cli("run", "slot.nc", "--cell", "cell.yaml")
+    assert (done.status, done.out, done.err) == (143, "", "gcodesim: interrupted\n")
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_signal_when_all_has_moved_is_no_success(cli, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """The files are whole, since they are closed first; but whoever goes on with `&&` does not."""
+    results_of = simulation.results_of
+
+    def signalled(*arguments: Any, **named: Any) -> Any:
+        signal.raise_signal(signal.SIGTERM)
+        return results_of(*arguments, **named)
+
+    monkeypatch.setattr(simulation, "results_of", signalled)
+    done = cli("run", "slot.nc", "--cell", "cell.yaml", "--write-baseline", "known.json")
+    assert done.status == 143
+    assert "interrupted when the run was over; what it wrote is whole" in done.err
+    assert cli("info", "out", "--format", "json").json["state"] == "finished"
+    assert not (tmp_path / "known.json").exists()
+
+
+def test_a_signal_between_two_setups_ends_the_job(cli, write, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    one = "{program: slot.nc, cell: cell.yaml}"
+    write("job.yaml", f"gcodesim-job: 1\nsetups:\n  a: {one}\n  b: {one}\n")
+    results_of = simulation.results_of
+
+    def signalled(*arguments: Any, **named: Any) -> Any:
+        signal.raise_signal(signal.SIGTERM)
+        return results_of(*arguments, **named)
+
+    monkeypatch.setattr(simulation, "results_of", signalled)
+    done = cli("run", "job.yaml")
+    assert (done.status, "1 of 2 set-ups" in done.out) == (143, True)
+    assert not (tmp_path / "out" / "b").exists()
+    assert not (tmp_path / "out" / "setups.json").exists()
 
 
 _HELLO = {

@@ -62,6 +62,18 @@ def test_a_closed_standard_error_is_nobodys_fault(cli, tmp_path: Path) -> None:
     assert done.returncode == 0
 
 
+@pytest.mark.parametrize("redirected", ["2>&-", "2>&- <&-"])
+def test_workers_run_without_a_standard_error(cli, write, tmp_path: Path, redirected: str) -> None:
+    """Nothing that is opened gets its number, and the engine, which is kept from writing there, is loaded."""
+    pytest.importorskip("pybullet")
+    write("cell.yaml", (tmp_path / "cell.yaml").read_text().replace("world: kinematic", "world: bullet"))
+    for name in ("one.nc", "two.nc"):
+        write(name, "G21 G90\nG0 X1\nM2\n")
+    assert cli("accept", "one.nc", "two.nc", "--cell", "cell.yaml").status == 0
+    done = _gcodesim("test", "-j", "2", "one.nc", "two.nc", "--cell", "cell.yaml", cwd=tmp_path, redirected=redirected)
+    assert done.returncode == 0
+
+
 @pytest.mark.parametrize(
     "command",
     [
