@@ -16,7 +16,7 @@ import gcodesim
 from gcodesim.executor import loop, pacing
 from gcodesim.log.logfile import LogFile
 from gcodesim.log.reader import decoded
-from gcodesim.simulation import running
+from gcodesim.simulation import one_run
 
 Interrupt = Callable[[int], None]
 
@@ -162,13 +162,13 @@ def test_a_signal_before_a_run_moves_ends_it_at_once(cli, monkeypatch: pytest.Mo
 
 def test_a_signal_when_all_has_moved_is_no_success(cli, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     """The files are whole, since they are closed first; but whoever goes on with `&&` does not."""
-    results_of = running.results_of
+    results_of = one_run.results_of
 
     def signalled(*arguments: Any, **named: Any) -> Any:
         signal.raise_signal(signal.SIGTERM)
         return results_of(*arguments, **named)
 
-    monkeypatch.setattr(running, "results_of", signalled)
+    monkeypatch.setattr(one_run, "results_of", signalled)
     done = cli("run", "slot.nc", "--cell", "cell.yaml", "--write-baseline", "known.json")
     assert done.status == 143
     assert "interrupted when the run was over; what it wrote is whole" in done.err
@@ -179,13 +179,13 @@ def test_a_signal_when_all_has_moved_is_no_success(cli, monkeypatch: pytest.Monk
 def test_a_signal_between_two_setups_ends_the_job(cli, write, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     one = "{program: slot.nc, cell: cell.yaml}"
     write("job.yaml", f"gcodesim-job: 1\nsetups:\n  a: {one}\n  b: {one}\n")
-    results_of = running.results_of
+    results_of = one_run.results_of
 
     def signalled(*arguments: Any, **named: Any) -> Any:
         signal.raise_signal(signal.SIGTERM)
         return results_of(*arguments, **named)
 
-    monkeypatch.setattr(running, "results_of", signalled)
+    monkeypatch.setattr(one_run, "results_of", signalled)
     done = cli("run", "job.yaml")
     assert (done.status, "1 of 2 set-ups" in done.out) == (143, True)
     assert not (tmp_path / "out" / "b").exists()
