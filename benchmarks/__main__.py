@@ -9,6 +9,7 @@ NAMES = (
     "start",
     "reading",
     "interpreter",
+    "editor",
     "inverse_kinematics",
     "time_law",
     "removal",

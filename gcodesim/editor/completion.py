@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Final, Literal, NamedTuple
 
 from gcodesim.diagnostics.plain import one_line
 from gcodesim.editor.parameters import names_in
+from gcodesim.rs274.block import KEYWORDS
 from gcodesim.rs274.dialects.meanings import LETTERS, meanings_of
 from gcodesim.rs274.predefined import PREDEFINED
-from gcodesim.rs274.program_file import KEYWORDS
 
 if TYPE_CHECKING:
     from gcodesim.editor.program_document import ProgramDocument

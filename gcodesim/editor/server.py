@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import gc
 import logging
 from collections.abc import Callable, Iterable
 from pathlib import Path
@@ -25,8 +26,11 @@ from gcodesim.formatting.style_file import NAME as SETTINGS
 from gcodesim.formatting.style_file import style_for
 from gcodesim.version import __version__
 
-_SLICE: Final = 400
-"""Blocks that are read between two answers."""
+_SLICE: Final = 40
+"""Blocks that are read between two looks at what the editor says; a message takes several looks."""
+_PAUSE: Final = 2.0
+"""Nothing typed for so long [s]: time to look for memory that is free, which takes longer than an answer may."""
+_NEVER: Final = 1_000_000
 
 _LEVELS: Final = {
     Severity.ERROR: lsp.DiagnosticSeverity.Error,
@@ -71,6 +75,7 @@ class Server(LanguageServer):
         self.choices = choices
         self.documents: dict[str, Document] = {}
         self._reading: dict[str, asyncio.Task[None]] = {}
+        self._tidying: asyncio.TimerHandle | None = None
 
     # -- documents
 
@@ -89,6 +94,13 @@ class Server(LanguageServer):
             document.update(text)
         self.show(uri)
         self.read_on(uri)
+        self._tidy_later()
+
+    def _tidy_later(self) -> None:
+        """Look for memory that is free in the next pause."""
+        if self._tidying is not None:
+            self._tidying.cancel()
+        self._tidying = asyncio.get_event_loop().call_later(_PAUSE, gc.collect)
 
     def forget(self, uri: str) -> None:
         """A document was closed."""
@@ -188,6 +200,7 @@ def serve(choices: Choices) -> Server:
 def _documents(server: Server) -> None:
     @server.feature(lsp.INITIALIZE)
     def initialize(ls: Server, params: lsp.InitializeParams) -> None:
+        gc.set_threshold(*gc.get_threshold()[:2], _NEVER)  # the server chooses the moment itself
         ls.choices = choices_of(params.initialization_options, ls.choices, params.root_uri)
 
     @server.feature(lsp.TEXT_DOCUMENT_DID_OPEN)

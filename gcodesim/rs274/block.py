@@ -82,6 +82,13 @@ class Note(NamedTuple):
     place: ColumnRange
 
 
+KEYWORDS = (
+    *("sub", "endsub", "call", "return", "do", "while", "endwhile", "if", "elseif", "else", "endif"),
+    *("break", "continue", "repeat", "endrepeat"),
+)
+"""The commands of O-words."""
+
+
 class Flow(NamedTuple):
     """An O-word. `keyword` is empty for a bare O1000, which opens a program for M98."""
 

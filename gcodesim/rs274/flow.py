@@ -5,20 +5,20 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Callable
+from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
 
 from gcodesim.diagnostics import Caller, SourceText
-from gcodesim.rs274.block import Expression, Flow, Name
+from gcodesim.rs274.block import KEYWORDS, Expression, Flow, Name
 from gcodesim.rs274.control import Control
 from gcodesim.rs274.expressions import checked, loose
 from gcodesim.rs274.fault import Fault
 from gcodesim.rs274.frame import Frame, Label
 from gcodesim.rs274.parameters import MOST_ARGUMENTS, NO_ARGUMENTS
-from gcodesim.rs274.program_file import KEYWORDS, ProgramFile
+from gcodesim.rs274.program_file import ProgramFile
 from gcodesim.rs274.reader import Reader
 from gcodesim.rs274.saved import bring_back
-from gcodesim.rs274.skipped import Skipped
 from gcodesim.rs274.words import read_words
 
 MOST_LEVELS = 10
@@ -47,13 +47,12 @@ class FlowControl:
         self.subs: dict[str, tuple[ProgramFile, int]] = {}
         self.programs: dict[str, tuple[ProgramFile, int]] = {}
         self.labels: dict[tuple[str, str, str], Label] = {}
-        self.touched: dict[tuple[str, str, str], Label] = {}  # labels opened since the compiled lane took them over
+        self.touched: set[tuple[str, str, str]] = set()  # labels opened since the compiled lane took them over
         self.changes = 0
         """Counts the O-words and calls, for those who keep a copy of what they change."""
         self.loop: tuple[ProgramFile, int] | None = None  # the line last jumped back to
         self.entered: set[tuple[str, int]] = set()  # subroutines that were called since the first fault
         self.failed = False  # whether the program is only read on for its further faults
-        self.skipped: dict[str, Skipped] = {}
         self.taken = True  # whether a branch of the `if` at hand was taken
         self.breaking = False
         self.continuing = False
@@ -121,7 +120,7 @@ class FlowControl:
             )
         if known is None:
             known = self.labels[key] = Label(kind, index)
-        self.touched[key] = known
+        self.touched.add(key)
         return known
 
     def _opened(self, label: str, keyword: str, *kinds: str) -> Label:
@@ -148,20 +147,16 @@ class FlowControl:
 
     def _pass_over(self, file: ProgramFile, after: int, before: int | None, *, defining: bool = False) -> None:
         """Raise `Stopped` at the first line between two that is broken even for a control that skips it."""
-        found = self.skipped_of(file).first(after, len(file.lines) if before is None else before, defining=defining)
+        found = file.skipped.first(
+            after,
+            len(file.lines) if before is None else before,
+            defining=defining,
+            call=lambda index: self._broken_call(file, index),
+        )
         if found is not None:
             index, fault = found
             message = f"line {index + 1}, which is passed over, cannot be read: {fault.message}"
             raise Stopped(fault.code, message, index=index, hint=fault.hint)
-
-    def skipped_of(self, file: ProgramFile) -> Skipped:
-        """The faults that a control finds while it skips lines of `file`."""
-        skipped = self.skipped.get(file.name)
-        if skipped is None:
-            longest = self.control.dialect.longest_line
-            skipped = Skipped(file, self.reader, longest, lambda index: self._broken_call(file, index))
-            self.skipped[file.name] = skipped
-        return skipped
 
     def _broken_call(self, file: ProgramFile, index: int) -> Fault | None:
         """What is wrong with the words of a line with M98, which are computed even if the line is skipped."""
@@ -256,13 +251,10 @@ class FlowControl:
         value = self._test(flow)
         count = round(value) if math.isfinite(value) else 0
         known = self._open(label, "repeat", index)
-        if known.left is None:
-            known.left = count
-        if known.left > 0:
-            known.left -= 1
-            return
-        known.left = None
-        self._skip_to(label, index, "endrepeat")
+        rounds = count if known.left is None else known.left
+        self.labels[self._key(label)] = replace(known, left=rounds - 1 if rounds > 0 else None)
+        if rounds <= 0:
+            self._skip_to(label, index, "endrepeat")
 
     def _endrepeat(self, label: str, flow: Flow, index: int, arrived: bool) -> None:
         del flow, index

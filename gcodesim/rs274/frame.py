@@ -5,11 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from gcodesim.diagnostics import Caller
+from gcodesim.frozen import frozen
 from gcodesim.rs274.program_file import ProgramFile
 from gcodesim.rs274.state import ModalState
 
 
-@dataclass(slots=True)
+@frozen(kw_only=False)
 class Label:
     """An O-word seen in this subroutine: what opened it, and at which line of which file."""
 

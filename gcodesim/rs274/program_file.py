@@ -5,13 +5,14 @@ from __future__ import annotations
 import re
 from bisect import bisect_right
 from collections.abc import Sequence
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import NamedTuple, Self
 
 from gcodesim.diagnostics import SourceText
-from gcodesim.rs274.block import Block
+from gcodesim.rs274.block import KEYWORDS, Block
 from gcodesim.rs274.outline import Outline
 from gcodesim.rs274.reader import Reader
+from gcodesim.rs274.skipped import MOST_LINES_KNOWN, Skipped
 from gcodesim.rs274.tokens import VERBATIM, Token, tokens_of
 
 # possessive quantifiers: a line of a million blanks is scanned only once
@@ -19,10 +20,6 @@ _FLOW = re.compile(
     r"\s*+(?:/\s*+)?(?:[Nn][\d\s.]*+)?[Oo]\s*+([0-9][0-9\s]*+(?:\.[0\s]*+)?|<[^>]*+>|\[.*?\](?=\s*+[A-Za-z])"
     r"|#(?:<[^>]*+>|[0-9\s]++|\[.*?\](?=\s*+[A-Za-z])))\s*+([A-Za-z\s]*+)(.?)",
     re.ASCII,
-)
-KEYWORDS = (
-    *("sub", "endsub", "call", "return", "do", "while", "endwhile", "if", "elseif", "else", "endif"),
-    *("break", "continue", "repeat", "endrepeat"),
 )
 _NOTE = re.compile(r"\([^)]*\)?|;.*")
 _BY_LENGTH = sorted(KEYWORDS, key=len, reverse=True)
@@ -127,16 +124,21 @@ class ProgramFile:
     def flows(self) -> list[FlowLine]:
         """All lines with an O-word, found by their form, because skipped lines are never parsed."""
         found = []
-        for index in self._lines_with_o():
-            match = _FLOW.match(self.lines[index])
-            if match:
-                found.append(FlowLine(index, plain_label(match[1]), _keyword(match[2], match[3])))
+        for index in self.lines_with("oO"):
+            if (flow := _o_word(self.lines[index])) is not None:
+                found.append(FlowLine(index, *flow))
         return found
 
-    def _lines_with_o(self) -> list[int]:
+    @cached_property
+    def skipped(self) -> Skipped:
+        """The faults that a control finds while it skips lines."""
+        return Skipped(self.lines, self._reader.dialect.longest_line, self.first if self.has_percent else None)
+
+    def lines_with(self, letters: str) -> list[int]:
+        """Indices of the lines that hold one of the ASCII characters `letters`, ascending."""
         if not isinstance(self.lines, list):
-            return self.source.table.with_any(b"oO")
-        return [index for index, line in enumerate(self.lines) if "o" in line or "O" in line]
+            return self.source.table.with_any(letters.encode("ascii"))
+        return [index for index, line in enumerate(self.lines) if any(letter in line for letter in letters)]
 
     def find_flow(self, after: int, label: str, keywords: frozenset[str]) -> FlowLine | None:
         """The next line after index `after` with an O-word of `label` and one of `keywords`."""
@@ -168,6 +170,13 @@ class ProgramFile:
 
 def _line(flow: FlowLine) -> int:
     return flow.at
+
+
+@lru_cache(MOST_LINES_KNOWN)
+def _o_word(text: str) -> tuple[str, str] | None:
+    """Label and keyword of a line with an O-word."""
+    match = _FLOW.match(text)
+    return None if match is None else (plain_label(match[1]), _keyword(match[2], match[3]))
 
 
 def _keyword(text: str, behind: str) -> str:

@@ -6,9 +6,9 @@ import re
 from difflib import get_close_matches
 from typing import TYPE_CHECKING
 
+from gcodesim.rs274.block import KEYWORDS
 from gcodesim.rs274.dialects import DIALECTS
 from gcodesim.rs274.fault import Fault
-from gcodesim.rs274.program_file import KEYWORDS
 from gcodesim.rs274.slips import slip_at
 
 if TYPE_CHECKING:

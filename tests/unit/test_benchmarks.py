@@ -11,7 +11,7 @@ import pytest
 
 ROOT = Path(__file__).parents[2]
 
-TINY = {"reading": 200, "time_law": 200, "removal": 300, "log": 200, "inverse_kinematics": 50}
+TINY = {"reading": 200, "time_law": 200, "removal": 300, "log": 200, "inverse_kinematics": 50, "editor": 300}
 
 
 @pytest.fixture(autouse=True)

@@ -54,8 +54,8 @@ class FanucOutline(Outline):
     def open_at(self, end: int) -> list[FlowLine]:
         part = self.file.part_at(end)
         found: list[FlowLine] = []
-        for index in range(part.first, end):
-            for word in _LOOP.findall(bare(self.file.lines[index])):
+        for index, line in enumerate(self.file.lines[part.first : end], part.first):
+            for word in _LOOP.findall(bare(line)):
                 if word.upper() == "DO":
                     found.append(FlowLine(index, "", "DO"))
                 elif found:
@@ -66,8 +66,8 @@ class FanucOutline(Outline):
         part = self.file.part_at(end)
         targets = set()
         loops = 0
-        for index in range(part.first, part.end):
-            text = bare(self.file.lines[index])
+        for index, line in enumerate(self.file.lines[part.first : part.end], part.first):
+            text = bare(line)
             for match in _TARGET.finditer(text):
                 if match[1] is None:
                     return

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from functools import cached_property
 from typing import ClassVar, NamedTuple
@@ -82,7 +82,7 @@ class FanucFile(ProgramFile):
     def __init__(self, source: SourceText, reader: Reader) -> None:
         super().__init__(source, reader)
         self.names: dict[int, str] = {}
-        self.begin, self.end = _between_percents(self.lines)
+        self.begin, self.end = _between_percents(self.lines, self.lines_with("%"))
         self.has_percent = False  # a program that runs into the second % has no end, so it is no end by itself
         self.first = self.parts[0].first
 
@@ -221,7 +221,8 @@ class FanucFile(ProgramFile):
     @cached_property
     def parts(self) -> list[FanucProgram]:
         """The programs in their order; text before the first O is a program without number when it says anything."""
-        heads = [(index, number) for index in range(self.begin, self.end) if (number := self._head(index)) is not None]
+        opening = [index for index in self.lines_with("oO:<") if self.begin <= index < self.end]
+        heads = [(index, number) for index in opening if (number := self._head(index)) is not None]
         if not heads:
             return [FanucProgram(None, self.begin, self.end)]
         parts = []
@@ -242,8 +243,8 @@ class FanucFile(ProgramFile):
     @cached_property
     def _sequences(self) -> dict[int, list[int]]:
         found: dict[int, list[int]] = {}
-        for index in range(self.begin, self.end):
-            match = _SEQUENCE.match(self.lines[index])
+        for index, text in enumerate(self.lines[self.begin : self.end], self.begin):
+            match = _SEQUENCE.match(text)
             if match is not None:
                 found.setdefault(int(match[1]), []).append(index)
         return found
@@ -266,9 +267,9 @@ class FanucFile(ProgramFile):
         return {}
 
 
-def _between_percents(lines: Sequence[str]) -> tuple[int, int]:
-    """Index of the first line of the programs and of the one after the last."""
-    marks = [index for index, line in enumerate(lines) if line.lstrip().startswith("%")]
+def _between_percents(lines: Sequence[str], candidates: Iterable[int]) -> tuple[int, int]:
+    """Index of the first line of the programs and of the one after the last; marks are among the `candidates`."""
+    marks = [index for index in candidates if lines[index].lstrip().startswith("%")]
     if not marks:
         return 0, len(lines)
     if len(marks) == 1 and not any(line.strip() for line in lines[marks[0] + 1 :]):
@@ -279,8 +280,8 @@ def _between_percents(lines: Sequence[str]) -> tuple[int, int]:
 def _find_loops(lines: Sequence[str], part: FanucProgram) -> Loops:
     loops = Loops({}, {}, {})
     stack: list[tuple[int, int]] = []
-    for index in range(part.first, part.end):
-        text = _NOTE.sub("", lines[index]).upper()
+    for index, line in enumerate(lines[part.first : part.end], part.first):
+        text = _NOTE.sub("", line).upper()
         if "D" not in text:
             continue
         match = _LOOP.search(text)

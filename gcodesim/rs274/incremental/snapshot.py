@@ -20,7 +20,7 @@ _ASIDE: Final = frozenset(
     (
         *("run", "file", "reader", "settings", "dialect", "lanes", "endless", "deadline", "next_clock"),
         *("blocks", "events_left", "most_blocks", "faults", "told", "kinds", "block_number", "span", "notes"),
-        *("not_simulated", "undo", "changes", "skipped", "files", "touched", "folders", "source_of_limits"),
+        *("not_simulated", "undo", "changes", "files", "touched", "folders", "source_of_limits"),
     )
 )
 _SHARED: Final = (ProgramFile, Reader)
@@ -32,7 +32,6 @@ def copied(executor: Executor, file: ProgramFile) -> Executor:
     memo: dict[int, Any] = {id(executor.lanes): None, id(executor.file): file, id(executor.run.source): file.source}
     memo[id(None)] = None
     twin: Executor = _copy(executor, memo)
-    twin.flow.skipped = {}
     twin.flow.files = {file.name if name == executor.file.name else name: one for name, one in twin.flow.files.items()}
     for frame in twin.flow.frames:
         if frame.file is file:

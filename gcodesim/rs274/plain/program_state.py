@@ -74,7 +74,7 @@ class ProgramState:
         self._modes[at.FLOWS] = len(self._rows)
         self._subs_seen = (0, 0)
         self._seen = (-1, -1)
-        self._flow.touched = dict(self._flow.labels)
+        self._flow.touched = set(self._flow.labels)
 
     # -- into the tables
 
@@ -122,8 +122,8 @@ class ProgramState:
                 self.memory[kept : kept + at.OF_CALL] = frame.arguments
             if level > 0 and not frame.by_m98:
                 self._write_names(frame.named, level - 1)
-        for key, label in flow.touched.items():
-            group = self._flows.groups.get(key)
+        for key in flow.touched:
+            group, label = self._flows.groups.get(key), flow.labels[key]
             if group is not None:
                 self._rows[group, at.OPENED_BY : at.LEFT + 1] = (
                     _NUMBER_OF[label.kind],

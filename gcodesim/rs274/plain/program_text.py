@@ -118,7 +118,7 @@ class FlowTable:
             line = self._lines[first + number][1]
             if line.label in following:
                 row_behind, at_behind = following[line.label]
-                if flow.skipped_of(file).is_clear(line.at, at_behind):
+                if file.skipped.is_clear(line.at, at_behind):
                     rows[number][at.FOLLOWING] = row_behind
             if line.keyword in LOCAL_WORDS:
                 following[line.label] = (first + number, line.at)

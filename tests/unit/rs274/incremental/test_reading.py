@@ -10,6 +10,8 @@ from gcodesim.diagnostics import SourceText
 from gcodesim.rs274 import Settings, lint
 from gcodesim.rs274.assumed import assumed_tools
 from gcodesim.rs274.incremental import LiveReading
+from gcodesim.rs274.program_file import _o_word
+from gcodesim.rs274.skipped import _defect_of
 
 TESTS = Path(__file__).parents[3]
 HEAD = ["G21 G90 G17", "T1 M6", "G43 H1", "S8000 M3", "G0 X0 Y0 Z5", "G1 Z-1 F300"]
@@ -202,3 +204,17 @@ def test_random_strokes():
 @pytest.mark.parametrize("seed", range(2, 8))
 def test_many_random_strokes(seed):
     random_strokes(seed, 200)
+
+
+def test_a_change_among_branches_looks_at_few_lines_again():
+    """What an O-word says, and what is broken in a line that is passed over, is known of all lines that stayed."""
+    lines = ["#1=1", *(text for n in range(300) for text in (f"o{n} if [#1 GT 2]", "G1 X1", f"o{n} endif")), *TAIL]
+    reading = LiveReading(source(lines), settings(source(lines)))
+    reading.finish()
+    counts = [_o_word.cache_info().misses, _defect_of.cache_info().misses]
+    lines[450] = "G0 X7"
+    reading.update(source(lines), settings(source(lines)))
+    reading.finish()
+
+    assert [_o_word.cache_info().misses, _defect_of.cache_info().misses] == counts
+    assert list(reading.findings) == list(lint(source(lines), settings(source(lines))))
