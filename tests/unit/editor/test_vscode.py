@@ -8,8 +8,8 @@ import pytest
 
 from gcodesim.editor.program_document import Choices
 from gcodesim.regress.programs import PROGRAMS
+from gcodesim.rs274.block import KEYWORDS
 from gcodesim.rs274.dialects import DIALECTS
-from gcodesim.rs274.program_file import KEYWORDS
 
 FOLDER = Path(__file__).parents[3] / "editors/vscode"
 PACKAGE = json.loads((FOLDER / "package.json").read_text())
@@ -17,7 +17,9 @@ GRAMMAR = json.loads((FOLDER / "syntaxes/gcode.tmLanguage.json").read_text())
 
 
 def test_all_files_that_it_names_are_there():
-    named = [PACKAGE["main"], *(one["path"] for one in PACKAGE["contributes"]["grammars"])]
+    bundled = PACKAGE["scripts"]["vscode:prepublish"].split()
+    assert f"--outfile={PACKAGE['main'].removeprefix('./')}" in bundled
+    named = [bundled[1], *(one["path"] for one in PACKAGE["contributes"]["grammars"])]
     named += [one["configuration"] for one in PACKAGE["contributes"]["languages"]]
 
     assert [name for name in named if not (FOLDER / name).is_file()] == []
@@ -43,16 +45,19 @@ def test_a_workspace_chooses_no_program():
 
 
 def scope_of(text: str, word: str) -> str:
-    """The scope in which a word stands, as an editor finds it: patterns in their order, at each place the first."""
+    """The scope in which a word stands, as an editor finds it: patterns in their order, at each place the first.
+
+    Where a pattern matches nothing at all, the editor gives up the rest of the line.
+    """
     at = 0
     patterns = [one for name in GRAMMAR["patterns"] for one in _flat(GRAMMAR["repository"][name["include"][1:]])]
     while at < len(text):
         best = None
         for pattern in patterns:
             found = re.compile(pattern["match"]).search(text, at)
-            if found is not None and found.end() > at and (best is None or found.start() < best[0].start()):
+            if found is not None and (best is None or found.start() < best[0].start()):
                 best = found, pattern
-        if best is None:
+        if best is None or best[0].end() == at:
             return ""
         found, pattern = best
         place = text.index(word)
@@ -63,7 +68,7 @@ def scope_of(text: str, word: str) -> str:
                 if found.span(int(number))[0] <= place < found.span(int(number))[1]
             ]
             return (inner or [pattern.get("name", "")])[0]
-        at = max(found.end(), at + 1)
+        at = found.end()
     return ""
 
 
@@ -79,6 +84,10 @@ def _flat(rule):
         ("N10 G1 X5 (note)", "X", "storage.type.word.gcode"),
         ("N10 G1 X5 (note)", "5", "constant.numeric.gcode"),
         ("N10 G1 X5 (note)", "(note)", "comment.block.gcode"),
+        ("X1 (note)", "(note)", "comment.block.gcode"),
+        ("/2 N10 G1", "/2", "keyword.operator.delete.gcode"),
+        ("/ N10 G1", "N10", "entity.name.label.gcode"),
+        ("/G1 X5", "G1", "keyword.other.preparatory.gcode"),
         ("(MSG, hello)", "MSG", "keyword.other.comment.gcode"),
         ("G0 X1 (open", "(open", "invalid.illegal.comment.gcode"),
         ("M30 ; end", "; end", "comment.line.semicolon.gcode"),
