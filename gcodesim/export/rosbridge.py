@@ -11,7 +11,8 @@ from gcodesim.extras import require_extra
 
 CONTROLLER: Final = "/joint_trajectory_controller/joint_trajectory"
 """Where a `joint_trajectory_controller` of ros2_control listens."""
-_WAIT: Final = 10.0  # [s] for the connection
+WAIT: Final = 3.0
+"""Seconds for the connection, where nobody says another."""
 
 
 class NoBridgeError(ConnectionError):
@@ -26,18 +27,19 @@ def follow(
     topic: str,
     states: str,
     seconds: float,
+    wait: float = WAIT,
     heard: Callable[[int], None] = lambda count: None,
 ) -> list[Mapping[str, Any]]:
     """Send a trajectory, and return what joint states came within `seconds` after it, or until the bridge closes.
 
-    NoBridgeError where nobody answers, ExtraMissingError without `roslibpy`.
+    NoBridgeError where nobody answers within `wait` [s], ExtraMissingError without `roslibpy`.
     """
     require_extra("rosbridge", "a connection to rosbridge")
     import roslibpy
 
     client = roslibpy.Ros(host=host, port=port)
     try:
-        client.run(timeout=_WAIT)
+        client.run(timeout=wait)
     except Exception as error:  # roslibpy raises errors of its own, of its reactor and of sockets
         client.close()
         raise NoBridgeError(f"no rosbridge answers at {host}:{port}: {error}") from None

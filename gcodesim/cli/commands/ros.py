@@ -51,6 +51,9 @@ def add_parser(commands: Any) -> None:
         help="how long to listen for joint states (default: as long as the run, and two seconds)",
     )
     parser.add_argument(
+        "--wait", type=_seconds, default=3.0, metavar="S", help="how long to wait for rosbridge to answer (default: 3)"
+    )
+    parser.add_argument(
         "--tolerance",
         type=_seconds,
         default=1.0,
@@ -104,7 +107,13 @@ def _followed(arguments: argparse.Namespace, trajectory: JointTrajectory) -> Sta
     seconds = duration + 2.0 if arguments.listen is None else arguments.listen
     try:
         told = follow(
-            trajectory, host, int(port), topic=arguments.topic, states=arguments.states_topic, seconds=seconds
+            trajectory,
+            host,
+            int(port),
+            topic=arguments.topic,
+            states=arguments.states_topic,
+            seconds=seconds,
+            wait=arguments.wait,
         )
     except NoBridgeError as reason:
         raise UsageError(str(reason)) from None

@@ -209,7 +209,7 @@ def test_nobody_there_is_said_in_words(slot_folder: Path) -> None:
     with socket.create_server(("127.0.0.1", 0)) as door:
         port = door.getsockname()[1]
     ran = subprocess.run(
-        [sys.executable, "-m", "gcodesim", "ros", str(slot_folder), "--to", f"127.0.0.1:{port}"],
+        [sys.executable, "-m", "gcodesim", "ros", str(slot_folder), "--to", f"127.0.0.1:{port}", "--wait", "0.2"],
         capture_output=True,
         text=True,
         timeout=600,
