@@ -20,7 +20,11 @@ from typing import Any
 STAGES = {
     "read": ("gcodesim.rs274.run:Run.stream",),
     "plan": ("gcodesim.jobs.legs:plan_path",),
-    "cell": ("gcodesim.cli.simulate:load_cell", "gcodesim.simulation:open_shop", "gcodesim.jobs.legs:with_stock"),
+    "cell": (
+        "gcodesim.cli.simulate:load_cell",
+        "gcodesim.simulation.preparing:open_shop",
+        "gcodesim.jobs.legs:with_stock",
+    ),
     "sample + joints": ("gcodesim.executor.track:window_of",),
     "material + process": (
         "gcodesim.executor.coupling:Coupling.stretch",
@@ -47,7 +51,7 @@ STAGES = {
     ),
     "log: packing": ("gcodesim.log.container:pack",),
     "results + STL": (
-        "gcodesim.simulation:results_of",
+        "gcodesim.simulation.one_run:results_of",
         "gcodesim.recorder.recorder:Recorder.finish",
     ),
 }
