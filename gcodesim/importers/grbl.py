@@ -22,7 +22,9 @@ from gcodesim.importers.importer import (
 )
 from gcodesim.units import INCH, MM
 
-_LINE: Final = re.compile(r"\s*\$(\d+)\s*=\s*([^\s(;]+)")
+# senders put a time, an arrow or a name before what the control said: `$$ < $0=10`, `[12:04:11] $0=10`, `Recv: $0=10`
+_LINE: Final = re.compile(r"(?:[^(;]*[<>:\]]|)\s*\$(\d+)\s*=\s*([^\s(;]+)")
+_SAVED: Final = re.compile(r"\"\$(\d+)\"\s*:\s*\"?([^\s\",}]+)")  # as senders save it, in JSON
 _STARTUP: Final = re.compile(r"\s*\$(N[01])\s*=\s*(\S.*?)\s*$")
 _OFFSET: Final = re.compile(r"\s*\[(G5[4-9]|G28|G30|G92|TLO|PRB):([^\]]*)\]")
 _LETTERS: Final = "XYZABC"
@@ -58,7 +60,7 @@ class Grbl(Importer):
     def read(self, path: Path, folder: Path) -> Imported:
         settings = FoundSettings(list(_settings(path)))
         if not any(setting.name == f"${_SPEED}" for setting in settings.all):
-            raise NoSettingsError(f"{path} has no ${_SPEED}: it is no list of the settings of grbl")
+            raise NoSettingsError(f"{path} has no ${_SPEED}: it is no list of the settings of grbl from 0.9 on")
         axes = dict(_axes(settings))
         if not axes:
             raise NoSettingsError(f"{path} gives no axis a speed and a travel")
@@ -72,7 +74,9 @@ class Grbl(Importer):
 
 def _settings(path: Path) -> Iterator[FoundSetting]:
     for number, line in enumerate(read_text(path).splitlines(), start=1):
-        if found := _LINE.match(line) or _STARTUP.match(line):
+        if saved := _SAVED.findall(line):
+            yield from (FoundSetting(f"${name}", value, path.name, number) for name, value in saved)
+        elif found := _LINE.match(line) or _STARTUP.match(line):
             yield FoundSetting(f"${found[1]}", found[2], path.name, number)
         elif offset := _OFFSET.match(line):
             yield FoundSetting(offset[1], offset[2], path.name, number)

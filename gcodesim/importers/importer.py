@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from codecs import BOM_UTF16_BE, BOM_UTF16_LE
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -158,7 +159,7 @@ def read_text(path: Path) -> str:
     data = path.read_bytes()
     if len(data) > LARGEST:
         raise NoSettingsError(f"{path} is larger than a file of settings")
-    return data.decode("utf-8", "replace")
+    return data.decode("utf-16" if data.startswith((BOM_UTF16_LE, BOM_UTF16_BE)) else "utf-8", "replace")
 
 
 def quoted(text: str) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from pathlib import Path
 
@@ -527,3 +528,30 @@ def test_blocks_that_grbl_runs_at_its_start(tmp_path: Path) -> None:
     found = imported("grbl", tmp_path / "grbl.txt")
 
     assert "startup: G20 G54 G91" in found.text and left(found)["$N0"][1] and "$N1" not in left(found)
+
+
+@pytest.mark.parametrize("before", ["", "$$ < ", "<<< ", "[12:04:11] ", "Recv: ", "12:04:11.250 > "])
+@pytest.mark.parametrize("behind", ["", "    (X-axis maximum rate, mm/min)", " ; said", "\r"])
+def test_lists_of_grbl_as_senders_keep_them(tmp_path: Path, before: str, behind: str) -> None:
+    plain = tmp_path / "plain.txt"
+    plain.write_text(GRBL.format(laser=0, offsets=""))
+    (tmp_path / "kept.txt").write_text("".join(f"{before}{line}{behind}\n" for line in plain.read_text().splitlines()))
+
+    assert imported("grbl", tmp_path / "kept.txt").lines[1:] == imported("grbl", plain).lines[1:]
+
+
+def test_a_list_of_grbl_in_json_and_in_utf_16(tmp_path: Path) -> None:
+    plain = tmp_path / "plain.txt"
+    plain.write_text(GRBL.format(laser=0, offsets=""))
+    pairs = dict(line.partition("(")[0].split("=") for line in plain.read_text().splitlines() if line.startswith("$"))
+    (tmp_path / "saved.json").write_text(json.dumps({name: value.strip() for name, value in pairs.items()}))
+    (tmp_path / "wide.txt").write_text(plain.read_text(), encoding="utf-16")
+
+    for name in ("saved.json", "wide.txt"):
+        assert imported("grbl", tmp_path / name).lines[1:] == imported("grbl", plain).lines[1:], name
+
+
+def test_a_comment_about_a_setting_of_grbl_is_none(tmp_path: Path) -> None:
+    (tmp_path / "grbl.txt").write_text("; before: $110=1\n(was: $111=1)\n" + GRBL.format(laser=0, offsets=""))
+
+    assert "speed: 50 mm/s" in imported("grbl", tmp_path / "grbl.txt").text
