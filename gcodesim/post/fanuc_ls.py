@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import textwrap
 from collections.abc import Iterator, Sequence
 from typing import ClassVar, Final
 
@@ -171,8 +172,8 @@ class _Writer:
         elif move.via is None:
             yield f"L P[{self._point(move, move.to, tool)}] {self._speed(move)} {ending}"
         else:
-            yield f"C P[{self._point(move, move.via, tool)}]"
-            yield f"    P[{self._point(move, move.to, tool)}] {self._speed(move)} {ending}"
+            via, to = self._point(move, move.via, tool), self._point(move, move.to, tool)
+            yield f"C P[{via}]\r\n    :  P[{to}] {self._speed(move)} {ending}"  # one instruction in two lines of text
 
     def _speed(self, move: RobotMove) -> str:
         """In mm/s if one digit behind the point says it, else in cm/min."""
@@ -271,6 +272,5 @@ def _set(what: str, n: int, X: Pose) -> Iterator[str]:
 
 
 def _remark(text: str) -> Iterator[str]:
-    text = plain(text)
-    for begin in range(0, max(len(text), 1), _WIDEST_COMMENT):
-        yield f"  !{text[begin : begin + _WIDEST_COMMENT].replace(';', ',')}"
+    for line in textwrap.wrap(plain(text).replace(";", ","), _WIDEST_COMMENT) or [""]:
+        yield f"  !{line}"

@@ -326,13 +326,14 @@ def _fanuc(files: Mapping[str, str], name: str, state: dict) -> Iterator[Read]:
     points = _fanuc_points(text)
     body = text.partition("/MN\n")[2].partition("/POS")[0]
     count = re.search(r"LINE_COUNT = (\d+);", text)
-    lines = re.findall(r"^\s*(\d+):(.*?) ;$", body, re.M)
+    # an instruction may go on behind `:` in further lines of text; the semicolon ends it
+    lines = re.findall(r"^ *(\d+):((?:[^;\n]*\n    :)?[^;\n]*?) *;$", body, re.M)
+    assert sum(1 + text.count("\n") for _, text in lines) == body.count("\n")
     assert (
         count is not None and int(count[1]) == len(lines) and [int(n) for n, _ in lines] == [*range(1, len(lines) + 1)]
     )
-    via = None
     for _, line in lines:
-        code = line.strip()
+        code = re.sub(r" *\n    : *", " : ", line.strip())
         if code.startswith("!"):
             state["line"] = line_in(code) or state["line"]
         elif m := re.fullmatch(r"PR\[99,(\d)\]=\(?(.*?)\)?", code):
@@ -343,21 +344,21 @@ def _fanuc(files: Mapping[str, str], name: str, state: dict) -> Iterator[Read]:
             state[m[1]][int(m[2])] = of_wpr(state["PR"])
         elif m := re.fullmatch(r"(UFRAME_NUM|UTOOL_NUM)=(\d+)", code):
             state[m[1]] = int(m[2])
-        elif m := re.fullmatch(r"C P\[(\d+)\]", code):
-            via = points[int(m[1])]
-        elif m := re.fullmatch(r"(?:([JL]) )?P\[(\d+)\] ([0-9.]+)(mm/sec|cm/min|%|sec) (FINE|CNT\d+)", code):
-            point = points[int(m[2])]
+        elif m := re.fullmatch(
+            r"([JLC])(?: P\[(\d+)\] :)? P\[(\d+)\] ([0-9.]+)(mm/sec|cm/min|%|sec) (FINE|CNT\d+)", code
+        ):
+            assert (m[1] == "C") == (m[2] is not None), line
+            point = points[int(m[3])]
             assert (point["UF"], point["UT"]) == (state["UFRAME_NUM"], state["UTOOL_NUM"])
             yield Read(
-                {"J": "joint", "L": "linear", None: "circular"}[m[1]],
+                {"J": "joint", "L": "linear", "C": "circular"}[m[1]],
                 to=_fanuc_target(point, state),
-                via=None if via is None else _fanuc_target(via, state),
+                via=None if m[2] is None else _fanuc_target(points[int(m[2])], state),
                 X_FT=state["UTOOL"][state["UTOOL_NUM"]],
-                speed=float(m[3]) * {"mm/sec": 1e-3, "cm/min": 0.01 / 60}.get(m[4], 0.0),
-                blend=0.0 if m[5] == "FINE" else math.inf,
+                speed=float(m[4]) * {"mm/sec": 1e-3, "cm/min": 0.01 / 60}.get(m[5], 0.0),
+                blend=0.0 if m[6] == "FINE" else math.inf,
                 line=state["line"],
             )
-            via = None
         elif m := re.fullmatch(r"(?:DO|AO)\[(\w+)\]=(.*)", code):
             yield Read("set", signal=m[1], value=float({"ON": 1, "OFF": 0}.get(m[2], m[2])))
         elif m := re.fullmatch(r"WAIT (.*)\(sec\)", code):

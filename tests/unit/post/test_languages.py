@@ -438,3 +438,13 @@ def test_what_cannot_be_said_is_refused() -> None:
     )
     with pytest.raises(NotPostedError, match="machine tool"):
         program_of(mill, LANGUAGES["krl"](), Wish())
+
+
+def test_remarks_of_fanuc_are_cut_between_words() -> None:
+    """The control shows 32 characters of a remark."""
+    text = written(job("fanuc-ls"), "fanuc-ls").files["PART.ls"]
+    remarks = [line.partition("!")[2].removesuffix(" ;") for line in text.split("\r\n") if ":  !" in line]
+
+    assert max(map(len, remarks)) <= 32
+    assert " ".join(remarks).startswith("part.nc in arm.yaml, as gcodesim has checked it (fanuc-ls) frame 1: ")
+    assert all(one == one.strip() for one in remarks)

@@ -35,9 +35,7 @@ def jobs(name: str) -> tuple[Job, ...]:
     (case,) = collect([ROOT / "programs" / f"{name}.test.yaml"], ROOT).cases
     channels = {channel: SourceText.read(path) for channel, path in case.channels.items()}
     assert case.cell is not None
-    return prepare(
-        SourceText.read(case.program), load_cell(case.cell, [ROOT]), Options(channels=channels)
-    ).all
+    return prepare(SourceText.read(case.program), load_cell(case.cell, [ROOT]), Options(channels=channels)).all
 
 
 def back(program: RobotProgram, kind: str) -> list[Read]:
