@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, ClassVar, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from gcodesim.arithmetic.elementary import cos_sin, hypot, tan
+from gcodesim.arithmetic.elementary import cos_sin, tan
 from gcodesim.arithmetic.matrices import dots
 from gcodesim.frozen import frozen
 from gcodesim.processes.column import ENGAGED, FINDINGS, LOG, POWER, REMOVED, RESULTS, TORQUE, Column, Shown
@@ -274,17 +274,23 @@ class Milling(Process):
     def _grazed(self, stock: Stock, window: Window) -> tuple[Array, Array]:
         """What a rapid may seem to remove (n,) [m³] while it only grazes: a layer of all wall that it passes.
 
-        And how deep (n,) [m] it is below the top of the stock.
+        And how deep (n,) [m] it is in the stock, along the axis of the tool.
         """
         exact = (window.axis[:, 2] > UPRIGHT) & (window.compliance is None)
         layer = np.where(exact, GRAZED * stock.cell + SLACK, COARSE * stock.cell)
-        way = window.piece_end - window.piece_start
-        low = np.minimum(window.piece_start[:, 2], window.piece_end[:, 2])
-        depth = np.clip(stock.z_range[1] - low, 0.0, stock.z_range[1] - stock.z_range[0])
-        walls = 2.0 * hypot(way[:, 0], way[:, 1]) * depth + 2.0 * np.pi * self.zone.radius * np.abs(way[:, 2])
+        way, step = window.piece_end - window.piece_start, window.piece_step
+        axis = window.axis[step]
+        low, high = stock.bounds
+        # along the axis, from the tip to the farthest corner of the stock
+        far = np.where(axis > 0.0, high, low)
+        depth = np.maximum(dots(far - window.piece_start, axis), dots(far - window.piece_end, axis))
+        depth = np.clip(depth, 0.0, dots(high - low, np.abs(axis)))
+        along = np.abs(dots(way, axis))
+        across = np.sqrt(np.maximum(dots(way, way) - along * along, 0.0))
+        walls = 2.0 * across * depth + 2.0 * np.pi * self.zone.radius * along
         bound, below = np.zeros((2, window.steps))
-        np.add.at(bound, window.piece_step, layer[window.piece_step] * walls)
-        np.maximum.at(below, window.piece_step, depth)
+        np.add.at(bound, step, layer[step] * walls)
+        np.maximum.at(below, step, depth)
         return bound, below
 
     @cached_property

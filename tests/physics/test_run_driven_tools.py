@@ -114,3 +114,15 @@ def test_the_segment_of_a_flat_is_that_of_the_books() -> None:
     y = half * ((np.arange(20_000) + 0.5) / 10_000 - 1.0)
     summed = float((np.sqrt(20.0**2 - y**2) - 17.5).mean() * 2.0 * half)
     assert summed == pytest.approx(20.0**2 * acos(17.5 / 20.0) - 17.5 * half, rel=1e-6)
+
+
+def test_a_rapid_across_the_spindle_is_told_and_one_along_what_is_cut_is_not() -> None:
+    """A shallow flat by G0: how deep a tool is counts along its own axis, not along that of the stock."""
+    stock = "{cylinder: [40, 50], xyz: [0, 0, -50], resolution: 0.5}"
+    cell = f"gcodesim: 1\nmachine: lathe_xyzc\nstock: {stock}\ntools:\n{TOOLS}simulation: {{world: kinematic}}\n"
+    way = "T3 M6 G43\nS3000 M3\nG0 X30 Z15\nX18.5\n{}G0 Z15\nG0 Z-8\nX30\nM5\nM2\n"
+    wrong = run_texts(HEAD + way.format("G0 Z-8\n"), cell).results.findings
+    right = run_texts(HEAD + way.format("G1 Z-8 F600\n"), cell).results.findings
+
+    assert [(f.code, f.span.line) for f in wrong if f.code == "GS401"] == [("GS401", 6)]
+    assert [f for f in right if f.code == "GS401"] == []
