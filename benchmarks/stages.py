@@ -31,6 +31,13 @@ STAGES = {
         "gcodesim.executor.coupling:Stretch.__call__",
         "gcodesim.executor.coupling:Stretch.finish",
     ),
+    "collision checks": (
+        "gcodesim.checks.clearance:clearance_findings",
+        "gcodesim.checks.machine_collisions:MachineChecks.findings",
+        "gcodesim.checks.machine_collisions:MachineChecks.fixtures_beside",
+        "gcodesim.checks.stock_watch:StockWatch.look",
+        "gcodesim.checks.stock_watch:StockWatch.take",
+    ),
     "world": ("gcodesim.world.kinematic:KinematicWorld.run", "gcodesim.world.bullet:BulletWorld.run"),
     "sums + findings": (
         "gcodesim.executor.track:record_of",
