@@ -84,11 +84,11 @@ class Inspector:
             stay_spans=_stay_spans(plan),
             grain=_grain(shop),
         )
-        self._switches = {
-            each.row: each.event.span
-            for each in plan.path.events
+        self._switches = [
+            (each.time, each.event.span)
+            for each in plan.trajectory.events
             if any(value_after(each.event, signal, shop.signal_sources) is not None for signal in Gripping.reads)
-        }
+        ]
         self._kinds = {
             kind: np.isin(rows.tool, [n for n, tool in shop.cell.tools.items() if _does(shop, kind, tool)])
             for kind in shop.sheet.kinds[1:]
@@ -141,7 +141,8 @@ class Inspector:
             tool = self._shop.tool(int(record.window.tool[step]))
             time = int(record.window.ticks[step]) * self._dt
             row = int(record.window.row[step])
-            span = self._span(row) if event.kind in BY_MOTION else self._switches.get(row, self._span(row))
+            done = int(record.window.ticks[step + 1]) * self._dt
+            span = self._span(row) if event.kind in BY_MOTION else self._switch_before(done, row)
             finding = grip_finding(event, tool, span, time, freely=self._freely)  # type: ignore[arg-type]
             if finding is not None and (finding.code, finding.span) not in known:
                 known.add((finding.code, finding.span))
@@ -149,9 +150,14 @@ class Inspector:
         self._grips += found
         return found
 
+    def _switch_before(self, time: float, row: int) -> Span:
+        """The word that last told a gripper something before `time` [s]; where there is none, the line of a row."""
+        before = [span for at, span in self._switches if at < time]
+        return before[-1] if before else self._span(row)
+
     def _late_grips(self, execution: Execution) -> list[Diagnostic]:
         path = self._plan.path
-        span = self._switches.get(len(path), self._span(len(path) - 1))
+        span = self._switch_before(np.inf, len(path) - 1)
         number = path.state_of(len(path) - 1).tool if len(path) else 0
         found = (
             grip_finding(event, self._shop.tool(number), span, (event.step + 1) * self._dt, freely=self._freely)  # type: ignore[arg-type]
@@ -174,6 +180,8 @@ class Inspector:
         """What each kind of process has to say about the rows of its tools."""
         found: list[Diagnostic] = []
         for kind, mine in self._kinds.items():
+            if PROCESSES[kind].acts_on == "stock" and not self._shop.cell.stocks:
+                continue  # it was never asked; GS508 says so of what is switched on
             columns = totals.columns if mine.all() else {n: np.where(mine, c, 0) for n, c in totals.columns.items()}
             found += PROCESSES[kind].findings(replace(self._shape, columns=columns, ended=ended))
         return found

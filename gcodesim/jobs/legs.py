@@ -32,6 +32,7 @@ from gcodesim.frames import Array
 from gcodesim.jobs.meetings import is_stop, lone_marks
 from gcodesim.jobs.results import ProbeResult
 from gcodesim.jobs.sensor_waits import not_heard, standing_still, waited_in_vain
+from gcodesim.jobs.switching import switching_findings, untriggered
 from gcodesim.motion.build import PathBuilder
 from gcodesim.motion.joining import standing_until, with_instant
 from gcodesim.motion.tool_path import PathEvent, ToolPath
@@ -238,8 +239,11 @@ class Legs:
                 self._job.findings.extend(lone_marks(self._job.channel, self._job.events))
             whole = path if before is None else before.path.then(path)
             self._job.findings.extend(empty_spindle_findings(whole, self.shop.cell))
+            self._job.findings.extend(switching_findings(whole, self.shop))
             loaded = self.shop.cell.channels[self.shop.channel].loaded_tool or 0
-            self._job.findings.extend(deaf_tool_findings(whole, self.shop.cell.tools, loaded))
+            self._job.findings.extend(
+                deaf_tool_findings(whole, self.shop.cell.tools, loaded, untriggered(self.shop.cell))
+            )
             lasting = any(self._duration_of(noted) > 0.0 for noted in path.events)
             if before is not None and not len(path) and not lasting:
                 return None

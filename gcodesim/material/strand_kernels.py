@@ -131,27 +131,28 @@ def cell_of(field: Field, x: float, y: float) -> tuple[int, int]:
 
 
 @kernel
-def carries(field: Field, x: float, y: float, tip: float, height: float) -> bool:
-    """Whether something lies under a bead of `height` at (x, y), its own layer left out; True beside the stock."""
+def carries(field: Field, x: float, y: float, tip: float, height: float) -> int:
+    """1 if something lies under a bead of `height` at (x, y), its own layer left out, else 0; -1 beside the stock."""
     i, j = cell_of(field, x, y)
     nx, ny = field.columns.number.shape
     if i < 0 or j < 0 or i >= nx or j >= ny:
-        return True
-    return is_between(field.columns, i, j, tip - DEEPEST * height, tip - UNDER * height)
+        return -1
+    return 1 if is_between(field.columns, i, j, tip - DEEPEST * height, tip - UNDER * height) else 0
 
 
 @kernel
 def is_carried(field: Field, start: Array, end: Array, nozzle: Nozzle, width: float) -> bool:
-    """Whether a piece lies on something: under its middle, or under either half."""
+    """Whether a piece lies on something: under its middle, or under either half; nobody knows what is off the stock."""
     x, y, tip = 0.5 * (start[0] + end[0]), 0.5 * (start[1] + end[1]), 0.5 * (start[2] + end[2])
     dx, dy = end[0] - start[0], end[1] - start[1]
     length = math.sqrt(dx * dx + dy * dy)
-    if carries(field, x, y, tip, nozzle.height):
-        return True
-    if length == 0.0:
-        return False
+    middle = carries(field, x, y, tip, nozzle.height)
+    if middle > 0 or length == 0.0:
+        return middle != 0
     ox, oy = -dy / length * width / 3.0, dx / length * width / 3.0
-    return carries(field, x + ox, y + oy, tip, nozzle.height) or carries(field, x - ox, y - oy, tip, nozzle.height)
+    left = carries(field, x + ox, y + oy, tip, nozzle.height)
+    right = carries(field, x - ox, y - oy, tip, nozzle.height)
+    return left > 0 or right > 0 or (middle < 0 and left < 0 and right < 0)
 
 
 @kernel

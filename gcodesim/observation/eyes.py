@@ -18,7 +18,7 @@ from gcodesim.observation.files import SensorFiles
 from gcodesim.observation.schedule import MOST_SIGHTS, Station, regular_steps, stations_of, told_steps
 from gcodesim.observation.stage import Stage, surface_of
 from gcodesim.sensors.noise import Noise
-from gcodesim.sensors.outputs import Output, digest
+from gcodesim.sensors.outputs import DepthMap, Output, Picture, Points, digest
 from gcodesim.sensors.scenery import Scenery
 from gcodesim.sensors.sensor import Sight
 from gcodesim.tools.gripper import Gripper
@@ -40,9 +40,10 @@ _NOTHING = Scenery.of(())
 
 @dataclass(slots=True, kw_only=True, eq=False)
 class _Tally:
-    """How often a sensor has read or would have, and a hash of all that it gave."""
+    """How often a sensor has read or would have, how often it saw nothing, and a hash of all that it gave."""
 
     readings: int = 0
+    blank: int = 0
     planned: int = 0
     left_out: int = 0
     hash: Any = field(default_factory=hashlib.sha256)
@@ -186,7 +187,9 @@ class Eyes:
             noise=Noise(self._seed, station.name, tally.readings),
             load=load_at(self._shop, X_WC, q, world.reaction[row]) if station.sensor.on_flange else np.zeros(6),
         )
-        for name, output in station.sensor.read(sight).items():
+        outputs = station.sensor.read(sight)
+        tally.blank += any(isinstance(each, (Picture, DepthMap, Points)) and each.is_blank for each in outputs.values())
+        for name, output in outputs.items():
             tally.hash.update(name.encode() + digest(output))
             t_ns = step * self._step_ns
             if self._outlet is not None:
@@ -214,7 +217,9 @@ class Eyes:
         }
 
     def findings(self) -> Iterator[Diagnostic]:
-        """GS590 for each sensor that would have read more often than it may, GS591 for each that has never read.
+        """GS590 for sensors that would have read more often than they may, GS591 for those that have never read.
+
+        GS594 for those that have never seen anything.
 
         A tool that is a sensor may lie in the magazine for other programs, and an input may be there for them.
         """
@@ -231,6 +236,16 @@ class Eyes:
                     hint="a longer `period` has it read through the whole run",
                     value=float(tally.planned + tally.left_out),
                     limit=float(MOST_SIGHTS),
+                )
+            elif tally.readings and tally.blank == tally.readings:
+                yield Diagnostic(
+                    code="GS594",
+                    span=span,
+                    message=f"`{station.name}` sees nothing in any of its {tally.readings} readings",
+                    hint="look at its place and at where it looks: Z of its frame; a cell without stock, parts or "
+                    "fixtures has nothing to be seen",
+                    value=0.0,
+                    limit=1.0,
                 )
             elif not tally.readings and station.name not in heard and (station.tool or 0) in {0, *self._used}:
                 target, verb = station.sensor.order

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from typing import TYPE_CHECKING, ClassVar
+from collections.abc import Iterable, Mapping
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-WIRE_SPEED = Signal("wire_speed", "m/s", default=np.nan)
+WIRE_SPEED = Signal("wire_speed", "m/s", default=np.nan, least=0.0)
 """Speed of the wire; not a number where no word gives it, and it is the tool's own."""
 
 MOST = 50.0
@@ -44,6 +44,7 @@ class ArcWelding(Process):
 
     kind: ClassVar[str] = "arc_welding"
     lays: ClassVar[bool] = True
+    told_by_words: ClassVar[tuple[str, ...]] = ("GS542",)
     reads: ClassVar[tuple[Signal, ...]] = (ACTIVE, WIRE_SPEED, FEED)
     writes: ClassVar[tuple[Column, ...]] = (
         ADDED,
@@ -72,6 +73,10 @@ class ArcWelding(Process):
     def swept(self) -> Array | None:
         half = 0.5 * float(self.torch.widths_of(np.array([self.torch.wire_area]))[0])
         return np.array([[-half, -self.torch.reach], [half, -self.torch.reach], [half, 0.0], [-half, 0.0]])
+
+    @classmethod
+    def is_on(cls, signals: Mapping[str, NDArray[Any]], tool: WeldingTorch) -> NDArray[np.bool_]:
+        return (signals[ACTIVE.name] > 0.0) & ~(signals[WIRE_SPEED.name] <= 0.0)
 
     def begin(self) -> ProcessState:
         return ProcessState()
@@ -119,7 +124,7 @@ class ArcWelding(Process):
             "weld_width": wide,
             "too_steep": steep,
             "arc_on_nothing": sums_by_step(step, molten.lost, n),
-            "arc_in_rapid": on & window.rapid,
+            "arc_in_rapid": on & window.rapid & window.moving,
             "weld_nominal": sums_by_step(step, volume, n),
         }
         return ProcessStep.free(n, columns)

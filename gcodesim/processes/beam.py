@@ -7,7 +7,7 @@ cuts that go through come from the rays (`material.beam_kernels`).
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any, ClassVar, Final, NamedTuple
 
 import numpy as np
@@ -85,6 +85,11 @@ class Beam(Process):
         """What the signals of a window make of the beam."""
         raise NotImplementedError
 
+    @classmethod
+    def is_on(cls, signals: Mapping[str, NDArray[Any]], tool: BeamTool) -> NDArray[np.bool_]:
+        power = signals.get("power", np.full(len(signals["beam"]), np.nan))
+        return np.where(np.isnan(signals["beam"]), power > 0.0, signals["beam"] > 0.0).astype(bool)
+
     @property
     def threshold(self) -> float:
         """Dose [per m²] that goes by before material is taken."""
@@ -146,7 +151,7 @@ class Beam(Process):
                 "beam": setting.on,
                 "in_focus": sharp,
                 "out_of_focus": off,
-                "beam_in_rapid": setting.on & window.rapid,
+                "beam_in_rapid": setting.on & window.rapid & window.moving,
                 "beam_without_gas": setting.on & ~setting.gas & (landed > 0.0),
                 "beam_too_much": setting.beyond,
                 self.given: sums_by_step(step, given, n),

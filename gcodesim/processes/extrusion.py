@@ -8,8 +8,8 @@ the pump could deliver, and where material is already in the way the bead loses 
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from typing import TYPE_CHECKING, ClassVar
+from collections.abc import Iterable, Mapping
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,6 +45,7 @@ class Extrusion(Process):
 
     kind: ClassVar[str] = "extrusion"
     lays: ClassVar[bool] = True
+    told_by_words: ClassVar[tuple[str, ...]] = ("GS539", "GS542")
     reads: ClassVar[tuple[Signal, ...]] = (ACTIVE, BEAD_WIDTH, BEAD_HEIGHT, FLOW)
     writes: ClassVar[tuple[Column, ...]] = (
         ADDED,
@@ -67,6 +68,10 @@ class Extrusion(Process):
     def of(cls, tool: Extruder, material: Material | None) -> Extrusion:
         """The process of an extruder; the material it lays has no cutting constants."""
         return cls(extruder=tool)
+
+    @classmethod
+    def is_on(cls, signals: Mapping[str, NDArray[Any]], tool: Extruder) -> NDArray[np.bool_]:
+        return (signals[ACTIVE.name] > 0.0) & ~(signals[FLOW.name] <= 0.0)
 
     @property
     def laid_section(self) -> float:
@@ -107,6 +112,7 @@ class Extrusion(Process):
             hanging = length * (1.0 - carried(stock, start, end, width, height))
             columns |= {
                 "added": sums_by_step(step, found.volume, n),
+                "beside": sums_by_step(step, np.where(_off_grid(stock, start, end), found.nominal, 0.0), n),
                 "unsupported": sums_by_step(step, hanging, n),
                 "laid_length": sums_by_step(step, length, n),
                 "built": self._built(end, step, n, state),
@@ -206,3 +212,12 @@ class Extrusion(Process):
 
         yield from printing_findings(rows)
         yield from paste_findings(rows)
+
+
+def _off_grid(stock: Stock, starts: Array, ends: Array) -> NDArray[np.bool_]:
+    """Whether the middle (c,) of each piece of a bead lies beside the columns of the stock."""
+    middle = 0.5 * (starts + ends)[:, :2]
+    low = stock.origin
+    high = low + stock.spacing * stock.field.columns.number.shape
+    off: NDArray[np.bool_] = np.any((middle < low) | (middle > high), axis=1)
+    return off

@@ -34,7 +34,7 @@ Flags = NDArray[np.bool_]
 GRIP: Final = Signal("grip", set_by=(SetBy("gripper", "close", 1.0), SetBy("gripper", "open", 0.0)))
 """1: close the fingers, switch on the vacuum; 0: open, switch off."""
 
-OPENING: Final = Signal("opening", default=1.0)
+OPENING: Final = Signal("opening", default=1.0, least=0.0, most=1.0)
 """How far the fingers open, 0 to 1 of their stroke."""
 
 STILL: Final = 1e-6

@@ -40,13 +40,19 @@ _BLOBS: Final = 0.005  # the same of what comes out while the nozzle stands: wit
 
 
 def printing_findings(rows: Rows) -> Iterator[Diagnostic]:
-    """GS519 to GS524 from the columns that `Extrusion` writes; only those of beads in the air without known volumes."""
+    """GS519 to GS524 from the columns that `Extrusion` writes; of beads without known volumes only where they lie."""
     volume = rows["extruded"]
     yield from _in_the_air(rows)
     if not volume.any():
+        yield from _out_of_place(rows, rows["added"] + rows["beside"])
         return
     yield from _off_size(rows, volume - rows["blobs"] - rows["fallen"])
     yield from _blobs(rows, float(volume.sum()))
+    yield from _out_of_place(rows, volume)
+
+
+def _out_of_place(rows: Rows, volume: Array) -> Iterator[Diagnostic]:
+    """GS522 and GS523: of what is laid, what lies beside the stock or finds no room."""
     total, laying = float(volume.sum()), _laying(volume)
     for code, name, what, hint in (
         ("GS522", "beside", "lies beside the stock, where it is not kept", "make the stock, which is the bed, as large "

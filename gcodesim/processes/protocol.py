@@ -18,7 +18,7 @@ cell has no target of that sort.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any, ClassVar, Final, Literal, Protocol, Self
 
 import numpy as np
@@ -114,6 +114,8 @@ class Process:
     of target; `takes` says that it removes material, `pushes` that it exerts a force, so that a machine may yield;
     `lays` that it adds material to a stock, which may grow beyond its box;
     `touches` says that it is about the tool in contact, so that it is not asked where a probe touches on purpose;
+    `told_by_words` are codes of findings about its switch that follow from the words of a program alone, without a run:
+    GS539 (on in a rapid), GS542 (never on);
     `leads` says that its force depends on nothing but the window, so that the others act where it puts the tip;
     `reads` lists the signals that `Window.signals` holds for it, `writes` the columns that it gives values for.
     """
@@ -125,6 +127,7 @@ class Process:
     pushes: ClassVar[bool] = False
     touches: ClassVar[bool] = False
     leads: ClassVar[bool] = False
+    told_by_words: ClassVar[tuple[str, ...]] = ()
     reads: ClassVar[tuple[Signal, ...]] = ()
     writes: ClassVar[tuple[Column, ...]] = ()
 
@@ -142,6 +145,14 @@ class Process:
     def columns_of(cls, tool: Any) -> tuple[Column, ...]:
         """The columns that it provides for `tool`: all that it `writes`, and more for what some tools ask for."""
         return cls.writes
+
+    @classmethod
+    def is_on(cls, signals: Mapping[str, NDArray[Any]], tool: Any) -> NDArray[np.bool_] | None:
+        """Whether words of the program have switched it on (n,), by the signals (n,) that it reads.
+
+        None of a process that is not switched: what it does follows from where its tool is.
+        """
+        return None
 
     @property
     def zone(self) -> Zone:

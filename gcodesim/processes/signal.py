@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Container, Iterable
 from dataclasses import replace
-from math import nan
+from math import inf, nan
 from typing import TYPE_CHECKING, Final
 
 from gcodesim.frozen import frozen
@@ -28,13 +28,16 @@ class Signal:
     """A value that a word of the program sets and that holds until another word sets it; `unit` is SI.
 
     `default` holds where nothing in the program or in the cell gives the signal. `set_by` are the actions of M-codes
-    that a process receives because it reads this signal; until the first of them comes, `default` holds.
+    that a process receives because it reads this signal; until the first of them comes, `default` holds. A word that
+    sets it below `least` or above `most` is told.
     """
 
     name: str
     unit: str = ""
     default: float = 0.0
     set_by: tuple[SetBy, ...] = ()
+    least: float = -inf
+    most: float = inf
 
     def is_set_by(self, actions: Container[tuple[str, str]]) -> bool:
         """Whether one of these actions, by target and verb, sets it."""
@@ -56,7 +59,7 @@ ACTIVE: Final = Signal("active", set_by=(SetBy("tool", "activate", 1.0), SetBy("
 SPRAY: Final = Signal("spray", default=nan, set_by=(SetBy("tool", "activate", 1.0), SetBy("tool", "deactivate", 0.0)))
 """1 while a spray gun is on; not a number where no word says so, and its flow alone tells."""
 
-FLOW: Final = Signal("flow", "m^3/s", nan)
+FLOW: Final = Signal("flow", "m^3/s", nan, least=0.0)
 """What leaves a gun while it is on; not a number where no word gives it, and it is the tool's own."""
 
 BEAD_WIDTH: Final = Signal("bead_width", "m")
@@ -69,10 +72,10 @@ FEED: Final = Signal("feed", "m/s")
 BEAM: Final = Signal("beam", default=nan, set_by=(SetBy("tool", "activate", 1.0), SetBy("tool", "deactivate", 0.0)))
 """1 while a laser, jet or torch is on; not a number where no word says so, and its power alone tells."""
 
-BEAM_POWER: Final = Signal("power", "W", default=nan)
+BEAM_POWER: Final = Signal("power", "W", default=nan, least=0.0)
 """Power of a beam; not a number where no word gives it, and it is the tool's own."""
 
-ABRASIVE: Final = Signal("abrasive", default=1.0)
+ABRASIVE: Final = Signal("abrasive", default=1.0, least=0.0, most=1.0)
 """Share of the abrasive's full flow."""
 
 GAS: Final = Signal("gas", default=1.0)

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from typing import TYPE_CHECKING, ClassVar, Final
+from collections.abc import Iterable, Mapping
+from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,6 +40,7 @@ class Spraying(Process):
 
     kind: ClassVar[str] = "spraying"
     acts_on: ClassVar[ActsOn] = "surface"
+    told_by_words: ClassVar[tuple[str, ...]] = ("GS539", "GS542")
     reads: ClassVar[tuple[Signal, ...]] = (SPRAY, FLOW)
     writes: ClassVar[tuple[Column, ...]] = (
         ENGAGED,
@@ -63,6 +64,11 @@ class Spraying(Process):
         from gcodesim.processes.spray_pattern import pattern_of
 
         return cls(gun=tool, pattern=pattern_of(tool))
+
+    @classmethod
+    def is_on(cls, signals: Mapping[str, NDArray[Any]], tool: SprayGun) -> NDArray[np.bool_]:
+        trigger, flow = signals[SPRAY.name], signals[FLOW.name]
+        return np.where(np.isnan(trigger), flow > 0.0, trigger > 0.0)
 
     def run(self, skin: CoatedSkin, window: Window, state: ProcessState) -> ProcessStep:
         """Lay the film of all steps in which the gun is on."""

@@ -60,6 +60,13 @@ class Window:
         """Number of steps n."""
         return len(self.rapid)
 
+    @property
+    def moving(self) -> Flags:
+        """Steps (n,) in which the tip goes some way; a stay before a rapid is no part of it."""
+        moving = np.zeros(self.steps, dtype=np.bool_)
+        moving[self.piece_step[(self.piece_start != self.piece_end).any(axis=1)]] = True
+        return moving
+
     def part(self, begin: int, end: int) -> Window:
         """Steps `begin` to `end`, as a window of their own."""
         first, last = np.searchsorted(self.piece_step, [begin, end])

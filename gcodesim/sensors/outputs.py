@@ -20,6 +20,11 @@ class Picture:
 
     pixels: NDArray[np.uint8]
 
+    @property
+    def is_blank(self) -> bool:
+        """Whether all pixels are alike: there is nothing in the picture, or nothing that could be told apart."""
+        return bool((self.pixels == self.pixels[:1, :1]).all())
+
 
 @frozen(eq=False)
 class DepthMap:
@@ -30,6 +35,11 @@ class DepthMap:
 
     depth: NDArray[np.float32]
     millimetres: bool = False
+
+    @property
+    def is_blank(self) -> bool:
+        """Whether no pixel has a depth."""
+        return bool(np.isnan(self.depth).all())
 
 
 @frozen(eq=False)
@@ -46,6 +56,11 @@ class Points:
     """Points (n, 3) [m] in the frame of the sensor; rows that are not numbers are points that were not seen."""
 
     points: NDArray[np.float32]
+
+    @property
+    def is_blank(self) -> bool:
+        """Whether nothing was seen."""
+        return bool(np.isnan(self.points).all())
 
 
 @frozen(eq=False)

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from types import FrameType, TracebackType
-from typing import TYPE_CHECKING, Final, Literal
+from types import TracebackType
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,11 +14,11 @@ from numpy.typing import ArrayLike, NDArray
 from gcodesim import simulation
 from gcodesim.api import InputError
 from gcodesim.arithmetic.matrices import multiplied
-from gcodesim.canon import Pause, ToolChange
+from gcodesim.canon import Pause
 from gcodesim.cell.loader import load_cell
 from gcodesim.cell.standing import standing_of
 from gcodesim.controllers import Controller
-from gcodesim.diagnostics import Diagnostic, Findings, Severity, SourceText, Span
+from gcodesim.diagnostics import Diagnostic, Findings, Severity
 from gcodesim.frames import Array, Pose, quaternion_from_rotation, rotation_from_quaternion
 from gcodesim.frozen import frozen
 from gcodesim.jobs.job import Job, Options
@@ -35,28 +34,25 @@ from gcodesim.planning.shop_posing import loads_of
 from gcodesim.sensors.camera import MOST_PIXELS
 from gcodesim.sensors.optics import Optics
 from gcodesim.sensors.outputs import Output, Picture
+from gcodesim.session import caller
+from gcodesim.session.misuse import MisuseError
 from gcodesim.session.pose_path import between
 from gcodesim.session.run_thread import RunThread
 from gcodesim.session.sensor_in_hand import Present, depths_of, looking, pixels_of
 from gcodesim.session.servo_kernels import JointBounds, approach
+from gcodesim.session.switches import Switches
 from gcodesim.session.table_plan import Stretched, merged, plan_of
+from gcodesim.session.tool_in_hand import HandTool
 from gcodesim.shop import Shop, controller_of, open_shop
-from gcodesim.tools.tcp_load import LOAD_FRAMES, TcpLoad
+from gcodesim.tools.tcp_load import TcpLoad
 from gcodesim.units import MM
 
 if TYPE_CHECKING:
     from gcodesim.executor.record import StepRecord
     from gcodesim.jobs.results import Results
-    from gcodesim.tools.tool import Tool
 
-_OWN: Final = str(Path(__file__).parents[1])
-_NO_SCRIPT: Final = "session"
 _MOST_WAITING: Final = 10_000  # steps: then they are run, though nobody asks what they did
 _UNLIMITED: Final = 1e6  # [rad/s, m/s, and per s] where a description names no limit
-
-
-class MisuseError(ValueError):
-    """A call that the cell, as it stands, cannot obey; the text says why and what to do. Nothing has changed."""
 
 
 @frozen(eq=False)
@@ -94,8 +90,9 @@ def open_cell(
     if loaded.cell is None:
         raise InputError(list(loaded.findings), loaded.sources)
     tools = {number: replace(tool, load=tool.load or TcpLoad()) for number, tool in loaded.cell.tools.items()}
-    loaded = replace(loaded, cell=replace(loaded.cell, tools=tools))  # a script may pull at any of them
-    script = _script()
+    channels = {name: replace(channel, signals={}) for name, channel in loaded.cell.channels.items()}  # no words come
+    loaded = replace(loaded, cell=replace(loaded.cell, tools=tools, channels=channels))  # a script may pull at any tool
+    script = caller.script()
     job = Job(
         program=script,
         loaded=loaded,
@@ -127,7 +124,7 @@ class OpenCell:
         self._wanted_ns = self._done_steps = 0
         self._waiting: list[Stretched] = []
         self._waiting_steps = 0
-        self._events: list[ToolChange] = []
+        self._switches = Switches()
         self._q = job.shop.home.copy()
         self._qd = np.zeros_like(self._q)
         self._target = self._q.copy()
@@ -329,8 +326,11 @@ class OpenCell:
 
     def _wait_for(self, table: Array) -> None:
         """Steps through joint vectors (n + 1, j) that are to be run."""
-        events, self._events = tuple(self._events), []
-        self._waiting.append(Stretched(q=table, state=self._state, span=_caller(), active=self._active, events=events))
+        self._switches.turn(self._active)
+        events = self._switches.taken()
+        self._waiting.append(
+            Stretched(q=table, state=self._state, span=caller.line(), active=self._active, events=events)
+        )
         self._waiting_steps += len(table) - 1
         if self._waiting_steps >= _MOST_WAITING:
             self._flush()
@@ -348,7 +348,7 @@ class OpenCell:
         steps = -(-leg.trajectory.duration_ns // self._step_ns)
         end = steps * self._step_ns * 1e-9
         if end - leg.trajectory.duration > 1e-12:
-            pause = Pause(span=_caller(), seconds=end - leg.trajectory.duration)
+            pause = Pause(span=caller.line(), seconds=end - leg.trajectory.duration)
             leg = replace(leg, trajectory=standing_until(leg.trajectory, end, pause))
         for finding in self._found(leg):
             later = replace(finding, time=None if finding.time is None else finding.time + begin)
@@ -370,7 +370,7 @@ class OpenCell:
         self._check_open()
         self._active = False
         self._state = replace(self._state, tool=number, spindle=0.0, push=())
-        self._events.append(ToolChange(span=_caller(), tool=number))
+        self._switches.change(number, self._shop.tool(number))
 
     def _measured(self) -> Array:
         """Where the joints are (j,); before the first step, where they stand."""
@@ -429,13 +429,21 @@ class OpenCell:
         state = replace(self._state, system=system, offset=(0.0, 0.0, length, 0.0, 0.0, 0.0), word="G1")
         n = len(path)
         zeros = np.zeros(n, dtype=np.int32)
-        on = path.active if active is None else np.full(n, active)
+        on = path.active | self._active if active is None else np.full(n, active)
         if on.any() and tool is None:
             raise MisuseError("the path is to be run with the process on, but the robot holds no tool")
         own = replace(
-            path.transform(placed[system]), active=on, state=zeros, states=(state,), source=zeros, spans=(_caller(),)
+            path.transform(placed[system]),
+            active=on,
+            state=zeros,
+            states=(state,),
+            source=zeros,
+            spans=(caller.line(),),
         )
-        own = replace(own, events=tuple(PathEvent(0, event) for event in self._events))
+        events = [PathEvent(0, event) for event in self._switches.taken()]
+        for row in np.flatnonzero(np.diff(on, prepend=~on[:1])).tolist():
+            events += [PathEvent(row, event) for event in self._switches.turning(bool(on[row]))]
+        own = replace(own, events=tuple(events))
         leg = plan_path(
             own,
             shop.kinematics,
@@ -444,7 +452,6 @@ class OpenCell:
             duration_of=standing_of(shop.cell, shop.channel),
             tool_frames={number: each.X_FT for number, each in shop.cell.tools.items()},
         )
-        self._events = []
         self._advance(leg)
         end = leg.trajectory.sample(np.array([leg.trajectory.duration]))
         self._q = leg.joints(end)[0].copy()
@@ -660,91 +667,6 @@ class Arm:
         return Pose.identity() if tool is None else tool.X_FT
 
 
-class HandTool:
-    """A tool of an open cell."""
-
-    def __init__(self, cell: OpenCell, number: int) -> None:
-        self._cell, self.number = cell, number
-
-    @property
-    def spec(self) -> Tool:
-        """What the cell says of it."""
-        return self._cell._shop.cell.tools[self.number]
-
-    @property
-    def is_coupled(self) -> bool:
-        return self._cell._state.tool == self.number
-
-    def couple(self, arm: Arm) -> None:
-        """Let `arm` hold the tool; like M6, it takes the time that the cell says, with the next steps.
-
-        MisuseError when the arm holds a tool already, is of another cell, or is none.
-        """
-        if not isinstance(arm, Arm):
-            raise MisuseError(f"tool {self.number} is coupled to an arm of the cell, as `cell.robot(…)` gives it")
-        if arm._cell is not self._cell:
-            raise MisuseError(f"tool {self.number} and `{arm.name}` are in two different cells")
-        held = self._cell._state.tool
-        if held == self.number:
-            raise MisuseError(f"`{arm.name}` holds tool {held} already")
-        if held:
-            raise MisuseError(f"`{arm.name}` holds tool {held}; decouple that first")
-        self._cell._change_tool(self.number)
-
-    def decouple(self) -> None:
-        """Put the tool back. MisuseError when no robot holds it."""
-        self._held()
-        self._cell._change_tool(0)
-
-    def activate(self) -> None:
-        """Switch the process of the tool on, from the next step on. MisuseError when no robot holds it."""
-        self._held()
-        if not self.spec.processes:
-            raise MisuseError(f"tool {self.number} ({self.spec.kind}) has no process that could be switched on")
-        self._cell._active = True
-
-    def deactivate(self) -> None:
-        """Switch the process off. MisuseError when no robot holds the tool."""
-        self._held()
-        self._cell._active = False
-
-    def spin(self, speed: float) -> None:
-        """Turn the spindle from the next step on [rad/s]; above 0 as M3, below as M4, 0 stops it."""
-        self._held()
-        if not np.isfinite(speed):
-            raise MisuseError(f"a spindle cannot turn with {speed} rad/s")
-        self._cell._state = replace(self._cell._state, spindle=float(speed))
-
-    def apply_tcp_force(
-        self, force: ArrayLike, torque: ArrayLike = (0.0, 0.0, 0.0), frame: Literal["world", "tool"] = "world"
-    ) -> None:
-        """Pull at the tip with a force (3,) [N] and torque (3,) [N·m] from the next step on, until another is given.
-
-        In axes of the world, or of the tool, with which they turn. It comes to the `load` of the tool in the cell, and
-        moves the arm as a force of the process does. MisuseError when no robot holds the tool.
-        """
-        self._held()
-        push = np.concatenate([np.asarray(force, dtype=float), np.asarray(torque, dtype=float)])
-        if push.shape != (6,) or not np.isfinite(push).all():
-            raise MisuseError("a force has three finite numbers [N], and a torque three [N·m]")
-        if frame not in LOAD_FRAMES:
-            raise MisuseError(f"a force acts in axes of the `world` or of the `tool`; there is no `{frame}`")
-        pushed: tuple[float, ...] = tuple(push.tolist()) if push.any() else ()
-        self._cell._state = replace(self._cell._state, push=pushed, push_in_tool=bool(pushed) and frame == "tool")
-
-    def extrude(self, path: ToolPath, frame: str = "G54") -> None:
-        """Run a path with the process on all along; see `Arm.run`. MisuseError when the tool is no extruder."""
-        self._held()
-        if "extrusion" not in self.spec.processes:
-            raise MisuseError(f"tool {self.number} ({self.spec.kind}) does not extrude")
-        self._cell._run_path(path, frame, True)
-
-    def _held(self) -> None:
-        self._cell._check_open()
-        if not self.is_coupled:
-            raise MisuseError(f"no robot holds tool {self.number}; call `couple` first")
-
-
 class HandSensor:
     """A sensor of an open cell. It reads whenever it is asked, besides its own times, which are those of a run."""
 
@@ -783,26 +705,3 @@ def _bounds(shop: Shop) -> JointBounds:
         np.minimum(np.asarray(joints.speed, dtype=float), _UNLIMITED),
         np.minimum(np.asarray(joints.acceleration, dtype=float), _UNLIMITED),
     )
-
-
-def _place() -> tuple[str, int] | None:
-    """File and line of the nearest caller outside gcodesim."""
-    frame: FrameType | None = sys._getframe(1)
-    while frame is not None and frame.f_code.co_filename.startswith(_OWN):
-        frame = frame.f_back
-    return None if frame is None else (frame.f_code.co_filename, frame.f_lineno)
-
-
-def _script() -> SourceText:
-    """The file that calls, or an empty text where there is none, as at a prompt."""
-    place = _place()
-    try:
-        return SourceText.read(Path(place[0])) if place is not None else SourceText(_NO_SCRIPT, b"")
-    except OSError:
-        return SourceText(_NO_SCRIPT, b"")
-
-
-def _caller() -> Span:
-    """The line of the script that called."""
-    place = _place()
-    return Span(_NO_SCRIPT) if place is None else Span(Path(place[0]).name, place[1])

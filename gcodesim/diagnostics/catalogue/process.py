@@ -60,10 +60,28 @@ CODES: tuple[Code, ...] = (
         severity=Severity.WARNING,
         title="Switched on without its tool",
         what="A word that the cell maps to a tool or gripper (`{tool: activate}`, `{gripper: close}`) comes while the "
-        "spindle is empty, or has a tool that it does not switch.",
-        why="Nothing is laid, sprayed, cut or gripped, and a tool that is taken later begins switched on.",
+        "spindle is empty, or has a tool that it does not switch. Or a word has sensors read (`{camera: shoot}`), and "
+        "none does: a camera in the magazine sees nothing.",
+        why="Nothing is laid, sprayed, cut, gripped or seen, and a tool that is taken later begins switched on.",
         remedy="Put the tool change before the word. A gripper that holds its part through the program is named as "
         "`loaded_tool`.",
+    ),
+    Code(
+        code="GS508",
+        severity=Severity.WARNING,
+        title="Switched on with nothing to work on",
+        what="A tool that lays, cuts or burns is switched on, and the cell describes no `stock`.",
+        why="Nothing is laid or taken, so the run says nothing about the part.",
+        remedy="Describe the work as `stock`; of a print that is the bed, with room above it.",
+    ),
+    Code(
+        code="GS509",
+        severity=Severity.WARNING,
+        title="A signal out of range",
+        what="A word of the program sets a signal of a process to what it cannot be, such as a share above 1 or a flow "
+        "below 0. The message gives the value after `per` and `zero` of the cell.",
+        why="The output of the machine stops at its limit, or the process runs backwards; neither is simulated.",
+        remedy="Correct the number in the program, or `per` of the signal in the cell.",
     ),
     Code(
         code="GS510",
@@ -98,6 +116,14 @@ CODES: tuple[Code, ...] = (
         what="S asks for a speed that the spindle of the cell does not reach.",
         why="The control refuses the program, or turns at its limit and changes chip load and cutting speed.",
         remedy="Change S, or the limits of the spindle in the cell if they are wrong.",
+    ),
+    Code(
+        code="GS514",
+        severity=Severity.WARNING,
+        title="Tool changed while it is on",
+        what="A tool goes back to its place while its process is switched on.",
+        why="It goes on laying or burning on its way to the magazine, and the tool that comes begins switched on.",
+        remedy="Switch it off before the change.",
     ),
     Code(
         code="GS515",
@@ -294,6 +320,14 @@ CODES: tuple[Code, ...] = (
         remedy="Coat it after it is machined, or in a run of its own from what this one leaves (`stock: {from: DIR}`).",
     ),
     Code(
+        code="GS539",
+        severity=Severity.WARNING,
+        title="Switched on in a rapid",
+        what="An extruder or a spray gun is on while the machine goes from place to place in rapids.",
+        why="It lays a thread or a stripe across the part, thinner than meant, since nobody chose the speed.",
+        remedy="Switch it off before the rapid and on again behind it.",
+    ),
+    Code(
         code="GS540",
         severity=Severity.ERROR,
         title="Beam on in a rapid",
@@ -312,9 +346,10 @@ CODES: tuple[Code, ...] = (
     Code(
         code="GS542",
         severity=Severity.WARNING,
-        title="Beam is never on",
-        what="A tool that acts by a beam feeds along its path and is off all the time.",
-        why="The part comes out untouched. Often the cell does not say which word switches the beam.",
+        title="Tool is never on",
+        what="A tool that is switched, such as a laser, an extruder, a torch or a spray gun, feeds along its path and "
+        "is off all the time.",
+        why="The part comes out untouched. Often the cell does not say which word switches the tool.",
         remedy="Name the word in the cell: `signals: {power: {word: S, per: 1 W}}`, `m_codes: {M10: {tool: activate}}` "
         "or `laser_mode`.",
     ),
@@ -479,5 +514,15 @@ CODES: tuple[Code, ...] = (
         "the sensor sees parts and machines as they stand at the start.",
         why="What the program then does may differ from what it does on the machine.",
         remedy="Let programs wait for each other at marks, which are planned in time.",
+    ),
+    Code(
+        code="GS594",
+        severity=Severity.WARNING,
+        title="Sensor sees nothing",
+        what="A camera or a scanner has read, and nothing was in front of it each time: its pictures are empty, no "
+        "pixel has a depth.",
+        why="An inspection of nothing looks like one that finds nothing.",
+        remedy="Check where it stands and that Z of its frame points at the work; describe what there is to be seen as "
+        "stock, fixtures or parts.",
     ),
 )

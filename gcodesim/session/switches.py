@@ -1,0 +1,75 @@
+"""What the tool in hand is told to do: the words that a program would have for it, as events of the next steps."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Final
+
+from gcodesim.canon import Action, Event, ToolChange
+from gcodesim.processes import PROCESSES
+from gcodesim.processes.signal import ACTIVE
+from gcodesim.session import caller
+
+if TYPE_CHECKING:
+    from gcodesim.tools.tool import Tool
+
+ON: Final = ("tool", "activate")
+OFF: Final = ("tool", "deactivate")
+CLOSE: Final = ("gripper", "close")
+OPEN: Final = ("gripper", "open")
+
+_M: Final = 0  # the number of an M-code that nobody wrote
+
+
+def hears(tool: Tool, order: tuple[str, str]) -> bool:
+    """Whether a process of the tool is set by this target and verb."""
+    return any(signal.is_set_by({order}) for kind in tool.processes for signal in PROCESSES[kind].reads)
+
+
+def _takes_actions(tool: Tool | None) -> bool:
+    """Whether it is switched on by an event; extruders are by the rows of the path itself."""
+    if tool is None:
+        return False
+    signals = (signal for kind in tool.processes for signal in PROCESSES[kind].reads)
+    return any(signal.name != ACTIVE.name and signal.is_set_by({ON}) for signal in signals)
+
+
+@dataclass(slots=True, eq=False)
+class Switches:
+    """Events that come with the next steps, and what the tool was told last."""
+
+    _tool: Tool | None = None
+    _told_on: bool = False
+    _waiting: list[Event] = field(default_factory=list)
+
+    def change(self, number: int, tool: Tool | None) -> None:
+        """The tool in hand goes, switched off, and `tool` comes."""
+        self.turn(False)
+        self._waiting.append(ToolChange(span=caller.line(), tool=number))
+        self._tool = tool
+
+    def turn(self, on: bool) -> None:
+        """Switch the tool on or off, unless it is so already."""
+        self._waiting += self.turning(on)
+
+    def turning(self, on: bool) -> list[Event]:
+        """The events that switch it on or off; none for a tool that goes by the rows of the path."""
+        if on == self._told_on or not _takes_actions(self._tool):
+            return []
+        self._told_on = on
+        return [action(ON if on else OFF)]
+
+    def tell(self, order: tuple[str, str]) -> None:
+        """Tell the tool something at once."""
+        self._waiting.append(action(order))
+
+    def taken(self) -> tuple[Event, ...]:
+        """What waits; nothing does afterwards."""
+        events, self._waiting = tuple(self._waiting), []
+        return events
+
+
+def action(order: tuple[str, str]) -> Action:
+    """The event that tells a tool something, in the line of the script."""
+    target, verb = order
+    return Action(span=caller.line(), m=_M, p=None, q=None, target=target, verb=verb)

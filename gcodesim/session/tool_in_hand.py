@@ -1,0 +1,124 @@
+"""A tool of an open cell: coupled, switched on, closed, pulled at."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from gcodesim.motion.tool_path import ToolPath
+from gcodesim.session.misuse import MisuseError
+from gcodesim.session.switches import CLOSE, ON, OPEN, hears
+from gcodesim.tools.tcp_load import LOAD_FRAMES
+
+if TYPE_CHECKING:
+    from gcodesim.session.cell_in_hand import Arm, OpenCell
+    from gcodesim.tools.tool import Tool
+
+
+class HandTool:
+    """A tool of an open cell."""
+
+    def __init__(self, cell: OpenCell, number: int) -> None:
+        self._cell, self.number = cell, number
+
+    @property
+    def spec(self) -> Tool:
+        """What the cell says of it."""
+        return self._cell._shop.cell.tools[self.number]
+
+    @property
+    def is_coupled(self) -> bool:
+        return self._cell._state.tool == self.number
+
+    def couple(self, arm: Arm) -> None:
+        """Let `arm` hold the tool; like M6, it takes the time that the cell says, with the next steps.
+
+        MisuseError when the arm holds a tool already, is of another cell, or is none.
+        """
+        if getattr(arm, "_cell", None) is None or not hasattr(arm, "joint_names"):
+            raise MisuseError(f"tool {self.number} is coupled to an arm of the cell, as `cell.robot(…)` gives it")
+        if arm._cell is not self._cell:
+            raise MisuseError(f"tool {self.number} and `{arm.name}` are in two different cells")
+        held = self._cell._state.tool
+        if held == self.number:
+            raise MisuseError(f"`{arm.name}` holds tool {held} already")
+        if held:
+            raise MisuseError(f"`{arm.name}` holds tool {held}; decouple that first")
+        self._cell._change_tool(self.number)
+
+    def decouple(self) -> None:
+        """Put the tool back. MisuseError when no robot holds it."""
+        self._held()
+        self._cell._change_tool(0)
+
+    def activate(self) -> None:
+        """Switch the process of the tool on, from the next step on.
+
+        MisuseError when no robot holds it, or when it is a tool that is not switched, such as a mill or a gripper.
+        """
+        self._held()
+        if not hears(self.spec, ON):
+            instead = "; a gripper has `close` and `open`" if hears(self.spec, CLOSE) else ""
+            instead = "; a cutter takes `spin`" if hasattr(self.spec, "flutes") else instead
+            raise MisuseError(f"tool {self.number} ({self.spec.kind}) has nothing that could be switched on{instead}")
+        self._cell._active = True
+
+    def deactivate(self) -> None:
+        """Switch the process off. MisuseError when no robot holds the tool."""
+        self._held()
+        self._cell._active = False
+
+    def close(self) -> None:
+        """Close the gripper, or switch its vacuum on, with the next step. MisuseError when no robot holds it, or it is
+        no gripper.
+        """
+        self._tell(CLOSE)
+
+    def open(self) -> None:
+        """Open the gripper, or switch its vacuum off; MisuseError as of `close`."""
+        self._tell(OPEN)
+
+    def _tell(self, order: tuple[str, str]) -> None:
+        self._held()
+        if not hears(self.spec, order):
+            raise MisuseError(f"tool {self.number} ({self.spec.kind}) is no gripper")
+        self._cell._switches.tell(order)
+
+    def spin(self, speed: float) -> None:
+        """Turn the spindle from the next step on [rad/s]; above 0 as M3, below as M4, 0 stops it."""
+        self._held()
+        if not np.isfinite(speed):
+            raise MisuseError(f"a spindle cannot turn with {speed} rad/s")
+        self._cell._state = replace(self._cell._state, spindle=float(speed))
+
+    def apply_tcp_force(
+        self, force: ArrayLike, torque: ArrayLike = (0.0, 0.0, 0.0), frame: Literal["world", "tool"] = "world"
+    ) -> None:
+        """Pull at the tip with a force (3,) [N] and torque (3,) [N·m] from the next step on, until another is given.
+
+        In axes of the world, or of the tool, with which they turn. It comes to the `load` of the tool in the cell, and
+        moves the arm as a force of the process does. MisuseError when no robot holds the tool.
+        """
+        self._held()
+        push = np.concatenate([np.asarray(force, dtype=float), np.asarray(torque, dtype=float)])
+        if push.shape != (6,) or not np.isfinite(push).all():
+            raise MisuseError("a force has three finite numbers [N], and a torque three [N·m]")
+        if frame not in LOAD_FRAMES:
+            raise MisuseError(f"a force acts in axes of the `world` or of the `tool`; there is no `{frame}`")
+        pushed: tuple[float, ...] = tuple(push.tolist()) if push.any() else ()
+        self._cell._state = replace(self._cell._state, push=pushed, push_in_tool=bool(pushed) and frame == "tool")
+
+    def extrude(self, path: ToolPath, frame: str = "G54") -> None:
+        """Run a path with the process on all along; see `Arm.run`. MisuseError when the tool is no extruder."""
+        self._held()
+        if "extrusion" not in self.spec.processes:
+            raise MisuseError(f"tool {self.number} ({self.spec.kind}) does not extrude")
+        self._cell._run_path(path, frame, True)
+
+    def _held(self) -> None:
+        self._cell._check_open()
+        if not self.is_coupled:
+            raise MisuseError(f"no robot holds tool {self.number}; call `couple` first")

@@ -1,0 +1,146 @@
+"""Tools that a script switches: each acts as from a program, and what cannot be is told."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import gcodesim
+from gcodesim.session import MisuseError, OpenCell
+
+CELL = """\
+gcodesim: 1
+robots:
+  arm: {model: kuka_kr10_r1100_2, home: [0, -90, 90, 0, 90, 0], stiffness: rigid}
+frames: {table: {in: world, xyz: [600, 0, 300]}}
+stock: {plate: {box: [40, 30, 10], in: table, resolution: 1, zero: top-front-left}}
+work_offsets: {G54: {in: table}}
+orientation: {tool_axis: -Z of G54}
+parts: {crate: {box: [40, 40, 40], zero: bottom-center, in: table, xyz: [120, 0, 0], mass: 1 kg}}
+tools:
+  1: {type: flat_end_mill, diameter: 6, flutes: 3}
+  2: {type: extruder, bead_width: 6, bead_height: 3}
+  3: {type: laser, power: 500 W, diameter: 3, absorptivity: 0.8, specific_energy: 2 J/mm^3, length: 60}
+  4: {type: spray_gun, cone: 30 deg, efficiency: 0.65, solids: 0.45, flow: 2.5 cm^3/s, distance: 100}
+  5: {type: suction_gripper, length: 90, cups: [{at: [0, 0], diameter: 30}], vacuum: 60 kPa}
+  6: {type: jet, diameter: 2, removal_rate: 8 mm^3/s, length: 60}
+signals: {power: {word: S, per: 1 W}, beam: {word: M62 P4}}
+magazine: {change_time: 0.1 s}
+simulation: {world: kinematic}
+"""
+
+
+def opened(tmp_path: Path, cell: str = CELL) -> OpenCell:
+    (tmp_path / "cell.yaml").write_text(cell)
+    return gcodesim.open_cell(tmp_path / "cell.yaml")
+
+
+def line(*points: tuple[float, float, float]) -> gcodesim.ToolPath:
+    return gcodesim.ToolPath.from_points(1e-3 * np.array(points), feed=0.02)
+
+
+def passed(cell: OpenCell, number: int, height: float) -> None:
+    """There and back over the plate, on only on the way there."""
+    tool, arm = cell.tool(number), cell.robot()
+    tool.couple(arm)
+    arm.run(line((5.0, 15.0, height + 20.0), (5.0, 15.0, height)))
+    tool.activate()
+    arm.run(line((5.0, 15.0, height), (35.0, 15.0, height)))
+    tool.deactivate()
+    arm.run(line((35.0, 15.0, height), (35.0, 15.0, height + 20.0)))
+
+
+def test_a_laser_takes_what_its_energy_takes_and_only_while_it_is_on(tmp_path: Path) -> None:
+    """1.5 s and the ramps at 500 W, 80 % of it at 2 J/mm³, whatever words the cell has for programs."""
+    with opened(tmp_path) as cell:
+        passed(cell, 3, 0.0)
+
+    assert 1e9 * cell.results.stocks["plate"].removed == pytest.approx(1.5 * 500.0 * 0.8 / 2.0, rel=0.1)
+    assert {f.code for f in cell.findings} <= {"GS540", "GS725"}
+
+
+def test_a_jet_and_a_gun_are_switched_as_well(tmp_path: Path) -> None:
+    with opened(tmp_path) as cell:
+        passed(cell, 6, 0.0)
+        cell.tool(6).decouple()
+        passed(cell, 4, 100.0)
+    assert cell.results.stocks["plate"].removed > 10e-9
+    assert cell.results.coating is not None
+    assert cell.results.coating["sprayed_mm3"] == pytest.approx(2.5e3 * 1.55, rel=0.05)
+    assert cell.results.coating["film_mm3"] > 0.0
+
+
+def test_activating_holds_for_paths_that_do_not_switch(tmp_path: Path) -> None:
+    with opened(tmp_path) as cell:
+        passed(cell, 2, 3.0)
+    assert cell.results.stocks["plate"].deposited == pytest.approx(
+        30.0 * (3.0 * 3.0 + 9.0 * np.pi / 4.0) * 1e-9, rel=0.05
+    )
+
+
+@pytest.mark.parametrize("world", ["kinematic", "bullet"])
+def test_a_gripper_takes_a_part_and_puts_it_down(world: str, tmp_path: Path) -> None:
+    with opened(tmp_path, CELL.replace("world: kinematic", f"world: {world}")) as cell:
+        tool, arm = cell.tool(5), cell.robot()
+        tool.couple(arm)
+        arm.run(line((120.0, 0.0, 80.0), (120.0, 0.0, 40.0)))
+        tool.close()
+        cell.step(0.1)
+        arm.run(line((120.0, 0.0, 40.0), (120.0, 0.0, 90.0), (120.0, 100.0, 90.0), (120.0, 100.0, 40.0)))
+        tool.open()
+        cell.step(0.1)
+        arm.run(line((120.0, 100.0, 40.0), (120.0, 100.0, 90.0)))
+
+    assert [f.code for f in cell.findings if f.code.startswith("GS56")] == []
+    crate = cell.results.parts["crate"]
+    assert [crate[name] for name in ("x_mm", "y_mm", "z_mm")] == pytest.approx([720.0, 100.0, 300.0], abs=0.01)
+    assert (crate["grips"], crate["falls"], crate["held_by"]) == (1, 0, None)
+
+
+def _with(number: int, what: Callable[[Any], Any]) -> Callable[[OpenCell], Any]:
+    def wrong(cell: OpenCell) -> None:
+        tool = cell.tool(number)
+        tool.couple(cell.robot())
+        what(tool)
+
+    return wrong
+
+
+@pytest.mark.parametrize(
+    ("wrong", "text"),
+    [
+        (lambda cell: cell.tool(2).activate(), "no robot holds tool 2; call `couple` first"),
+        (lambda cell: cell.tool(5).close(), "no robot holds tool 5; call `couple` first"),
+        (_with(1, lambda tool: tool.activate()), "a cutter takes `spin`"),
+        (_with(5, lambda tool: tool.activate()), "a gripper has `close` and `open`"),
+        (_with(3, lambda tool: tool.close()), "is no gripper"),
+        (_with(1, lambda tool: tool.spin(float("inf"))), "cannot turn with inf"),
+        (_with(1, lambda tool: tool.apply_tcp_force([1.0, 2.0])), "a force has three finite numbers"),
+        (lambda cell: cell.tool(1).couple("arm"), "is coupled to an arm of the cell"),
+    ],
+)
+def test_wrong_use_is_told(wrong: Callable[[OpenCell], Any], text: str, tmp_path: Path) -> None:
+    with opened(tmp_path) as cell, pytest.raises(MisuseError, match=text):
+        wrong(cell)
+
+
+@pytest.mark.parametrize(
+    ("code", "use"),
+    [
+        ("GS561", lambda tool, arm, cell: (tool(5).couple(arm), tool(5).close(), cell.step(0.2))),
+        ("GS520", lambda tool, arm, cell: (tool(2).couple(arm), tool(2).extrude(line((5, 15, 30), (35, 15, 30))))),
+        ("GS542", lambda tool, arm, cell: (tool(3).couple(arm), arm.run(line((5, 15, 0), (35, 15, 0))))),
+        ("GS501", lambda tool, arm, cell: (tool(1).couple(arm), arm.run(line((-9, 15, 5), (-9, 15, -2), (9, 15, -2))))),
+    ],
+)
+def test_what_goes_wrong_on_the_way_is_a_finding_at_a_line_of_the_script(
+    code: str, use: Callable[[Any, Any, OpenCell], Any], tmp_path: Path
+) -> None:
+    with opened(tmp_path) as cell:
+        use(cell.tool, cell.robot(), cell)
+    found = [f for f in cell.results.findings if f.code == code]
+    assert found and found[0].span.file == Path(__file__).name and found[0].span.line > 1
