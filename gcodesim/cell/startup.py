@@ -20,6 +20,10 @@ _MODAL: Final = (
 
 _ONE: Final = r"G0*(?:" + "|".join(re.escape(number) for number in _MODAL) + r")(?![0-9.])|[FSPQD][0-9.]+"
 _WORD: Final = re.compile(_ONE, re.IGNORECASE)
+_OWNERS: Final = {
+    letter: re.compile(rf"G0*{code}(?![0-9.])", re.IGNORECASE) for letter, code in (("P", 64), ("Q", 64), ("D", 96))
+}
+"""Words that say something only beside a G-word that is in the same block."""
 _WORDS: Final = rf"\s*(?:{_ONE})(?:\s*(?:{_ONE}))*\s*"
 
 
@@ -67,8 +71,13 @@ class StartupKind(Kind):
 
 def modal_words(block: str) -> tuple[str, str]:
     """Those words of a block that may stand in `startup`, and the rest of it."""
-    words = [match[0] for match in _WORD.finditer(block)]
-    return " ".join(words), " ".join(_WORD.sub(" ", block).split())
+    words, others = list[str](), block
+    for match in reversed(list(_WORD.finditer(block))):
+        owner = _OWNERS.get(match[0][0].upper())
+        if owner is None or owner.search(block):
+            words.insert(0, match[0])
+            others = f"{others[: match.start()]} {others[match.end() :]}"
+    return " ".join(words), " ".join(others.split())
 
 
 def _either_case(pattern: str) -> str:

@@ -25,6 +25,7 @@ from gcodesim.starter.fusion_turning import TURNING, turning_tool
 from gcodesim.starter.scan import tool_in_words
 from gcodesim.starter.tool_keys import LEFT_OUT, Json, ReadTool, ToolKeys, number_of, whole_of
 from gcodesim.tools.lathe_tool import angles_of_edges
+from gcodesim.tools.turning_tool import GREATEST_LEAD, LEAST_LEAD
 from gcodesim.units import DEG, INCH, MM
 
 LARGEST: Final = 64 * 1024 * 1024
@@ -196,6 +197,10 @@ def _lathe_tip(entry: ToolEntry, unit: str, si: float) -> ReadTool:
         keys.notes.append("approximated: it does not say its edges (I, J); a slim tip is assumed")
     elif not 0.0 < tip < 180.0 * DEG:
         keys.notes.append("differs: its edges (I, J) enclose no tip; a slim one is assumed")
+    elif lead is not None and not LEAST_LEAD <= lead <= GREATEST_LEAD:
+        keys.notes.append(
+            f"differs: its edges (I, J) do not lie behind a nose of Q{orientation}; a slim tip is assumed"
+        )
     else:
         keys.angle("tip_angle", tip / DEG)
         if lead is not None:

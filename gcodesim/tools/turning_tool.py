@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
+from typing import ClassVar, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +17,9 @@ Array = NDArray[np.float64]
 
 SLIM = 15.0 * DEG
 """Angle of a tip that is not described: a point that goes nearly everywhere."""
+LEAST_LEAD: Final = 30.0 * DEG
+GREATEST_LEAD: Final = 130.0 * DEG
+"""Between these lie the lead angles [rad] of edges that cut."""
 
 
 @frozen
@@ -130,7 +133,7 @@ class TurningTool(LatheTool):
             found.append(("nose_radius", "`nose_radius` must not be less than 0"))
         if not 0.0 <= self.tip_angle <= 120.0 * DEG or (self.tip_angle == 0.0 and self.nose_radius == 0.0):
             found.append(("tip_angle", f"`tip_angle` of {self.tip_angle / DEG:g} deg is no tip; it is 1 to 120 deg"))
-        if not 30.0 * DEG <= self.lead_angle <= 130.0 * DEG:
+        if not LEAST_LEAD <= self.lead_angle <= GREATEST_LEAD:
             found.append(("lead_angle", f"`lead_angle` of {self.lead_angle / DEG:g} deg is not within 30 to 130 deg"))
         return found
 

@@ -66,7 +66,15 @@ def test_words_that_a_control_refuses_are_told_at_their_place_in_the_cell() -> N
 
 @pytest.mark.parametrize(
     ("startup", "alien"),
-    [("G20 M3 S100", "M3"), ("G0", "G0"), ("G28", "G28"), ("G20 G92 X1", "G92 X1"), ("G201", "G201"), ("''", "")],
+    [
+        ("G20 M3 S100", "M3"),
+        ("G0", "G0"),
+        ("G28", "G28"),
+        ("G20 G92 X1", "G92 X1"),
+        ("G201", "G201"),
+        ("G20 M52 P1", "M52 P1"),
+        ("''", ""),
+    ],
 )
 def test_only_modes_stand_there(startup: str, alien: str) -> None:
     (found,) = loaded(f"startup: {startup}").findings

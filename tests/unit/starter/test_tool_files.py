@@ -204,6 +204,16 @@ def test_an_insert_of_freecad(tmp_path):
     assert tool.tip_angle == pytest.approx(math.radians(80.0))
 
 
+def test_edges_that_lie_in_front_of_the_nose_are_left_out(tmp_path):
+    """As in a configuration that comes with LinuxCNC."""
+    file = tmp_path / "tool.tbl"
+    file.write_text("T3 P3 D0.1 I+5 J+85 Q3 ;\n")
+    found = read_tools(file, inch=True)
+
+    assert tools_of(found)[3].problems() == []
+    assert notes_of(found, 3)[0].startswith("differs: its edges (I, J) do not lie behind a nose of Q3")
+
+
 def test_tips_of_a_lathe_in_a_table_of_linuxcnc(tmp_path):
     """Each orientation with the edges that LinuxCNC's own example of a lathe has: the tool leads its edges that way."""
     corners = {1: (95, 155), 2: (85, 25), 3: (275, 335), 4: (265, 205)}
