@@ -1,7 +1,11 @@
 """The folder of the extension for Visual Studio Code: whole, and in step with the server and the language."""
 
 import json
+import os
 import re
+import shutil
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -107,3 +111,22 @@ def test_words_get_their_colours(text, word, scope):
 
 def test_every_keyword_has_a_colour():
     assert {word: scope_of(f"o1 {word}", word) for word in KEYWORDS} == dict.fromkeys(KEYWORDS, "keyword.control.gcode")
+
+
+@pytest.mark.slow
+def test_the_extension_talks_to_the_server() -> None:
+    """With the client of Visual Studio Code, where `npm install` has been run in the folder."""
+    node = shutil.which("node")
+    if node is None or not (FOLDER / "node_modules/vscode-languageclient").is_dir():
+        pytest.skip("node, or the client, is not installed")
+    ran = subprocess.run(
+        [node, "test/client.js"],
+        cwd=FOLDER,
+        env={**os.environ, "GCODESIM": str(Path(sys.executable).with_name("gcodesim"))},
+        capture_output=True,
+        text=True,
+        timeout=600,
+        check=False,
+    )
+
+    assert ran.returncode == 0, ran.stdout + ran.stderr
