@@ -1,4 +1,4 @@
-"""Drawn programs with vectors (G43.5) and inverse time (G93) on tilting tables, against closed forms written here."""
+"""Drawn programs with vectors (G43.5) and inverse time (G93) on five axes, against closed forms written here."""
 
 from __future__ import annotations
 
@@ -46,11 +46,8 @@ def planned(lines: list[str], text: str) -> tuple[Job, np.ndarray, np.ndarray]:
     return job, job.plan.joints(trajectory.sample(ends)), np.column_stack([trajectory.row_start[feeds], ends])
 
 
-@pytest.mark.parametrize("seed", range(4))
-def test_vectors_on_a_table_whose_axes_lie_anywhere(seed: int) -> None:
-    """At joints X Y Z A C the work is turned by Rz(C) about `c`, then by Rx(A) about `a`; the tool hangs from X Y Z."""
-    random = np.random.default_rng(seed)
-    a, c, zero = random.uniform(-60.0, 60.0, (3, 3)).round(2)
+def drawn_vectors(random: np.random.Generator) -> tuple[np.ndarray, np.ndarray, list[str]]:
+    """Points (25, 3) [mm] and directions (25, 3) of the upper half, and blocks that go there."""
     points = random.uniform(-40.0, 40.0, (25, 3)).round(3)
     vectors = random.normal(size=(25, 3))
     vectors[:, 2] = np.abs(vectors[:, 2])
@@ -59,6 +56,15 @@ def test_vectors_on_a_table_whose_axes_lie_anywhere(seed: int) -> None:
         "G1 X{:.3f} Y{:.3f} Z{:.3f} I{:.6f} J{:.6f} K{:.6f} F4000.".format(*point, *vector)
         for point, vector in zip(points, vectors, strict=True)
     ]
+    return points, vectors, blocks
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_vectors_on_a_table_whose_axes_lie_anywhere(seed: int) -> None:
+    """At joints X Y Z A C the work is turned by Rz(C) about `c`, then by Rx(A) about `a`; the tool hangs from X Y Z."""
+    random = np.random.default_rng(seed)
+    a, c, zero = random.uniform(-60.0, 60.0, (3, 3)).round(2)
+    points, vectors, blocks = drawn_vectors(random)
 
     _, joints, _ = planned(["G43.5 H1", *blocks], cell(a, c, zero))
 
@@ -68,6 +74,23 @@ def test_vectors_on_a_table_whose_axes_lie_anywhere(seed: int) -> None:
     assert np.abs(turn_a.apply(turn_c.apply(vectors)) - [0, 0, 1]).max() < 3e-6
     work = turn_a.apply(turn_c.apply(points + zero - c) + c - a) + a
     assert np.abs(work - tips).max() < 1.5e-3  # the control counts in thousandths
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_vectors_on_a_head_whose_axis_leans_by_half_a_right_angle(seed: int) -> None:
+    """The head turns about (0, 1, 1) through `b`, the table by Rz(C) about `c`; both right-handed."""
+    random = np.random.default_rng(seed)
+    b, c, zero = random.uniform(-60.0, 60.0, (3, 3)).round(2)
+    points, vectors, blocks = drawn_vectors(random)
+    text = cell(b, c, zero).replace("    A: {", "    B: {side: tool, direction: [0, 1, 1], ")
+
+    _, joints, _ = planned(["G43.5 H1", *blocks], text)
+
+    turn_b = Rotation.from_rotvec(np.outer(joints[:, 3], [0.0, 0.5**0.5, 0.5**0.5]))
+    turn_c = Rotation.from_rotvec(np.outer(joints[:, 4], [0, 0, 1]))
+    tips = joints[:, :3] / MM + b + turn_b.apply(np.array([0.0, 0.0, -LENGTH]) - b)
+    assert np.abs(turn_c.apply(vectors) - turn_b.apply([0.0, 0.0, 1.0])).max() < 3e-6
+    assert np.abs(turn_c.apply(points + zero - c) + c - tips).max() < 1.5e-3
 
 
 @pytest.mark.parametrize("leans", [False, True], ids=["axes", "tip"])
