@@ -212,7 +212,7 @@ def _in_words(place: Spot) -> str:
     from gcodesim.units import DEG
 
     if not place.good:
-        return "the program cannot be run without a collision"
+        return "the program cannot be run whole; `gcodesim check` says where and why"
     if math.isinf(place.margin):
         return "no joint has limits"
     return f"joints stay {place.margin / DEG:.1f} deg from their limits"
