@@ -190,7 +190,7 @@ def _check_frames(cell: Cell, to: Reading) -> None:
         name, section = reference.name, reference.path[0]
         if name in cell.carried or (name in cell.link_names and name not in fixed):
             if section not in _ON_LINKS and not _is_on_platform(cell, name, reference.path):
-                _fault_on_link(cell, name, to.span(reference.path), to)
+                _fault_on_link(cell, name, reference.path, to)
         elif name not in fixed and not _is_on_unknown(cell, name, to):
             _fault_of_frame(cell, name, fixed, reference.path, to)
 
@@ -207,10 +207,15 @@ def _is_on_platform(cell: Cell, name: str, path: Path) -> bool:
     return mover is not None and link in mover.platforms
 
 
-def _fault_on_link(cell: Cell, name: str, span: Span, to: Reading) -> None:
+def _fault_on_link(cell: Cell, name: str, path: Path, to: Reading) -> None:
     link = cell.carried[name].link if name in cell.carried else name
     message = f"`{name}` moves" if link == name else f"`{name}` moves with `{link}`"
-    to.fault("GS712", span, message, "only frames, stock, fixtures, parts and sensors may stand in it")
+    hint = "only frames, stock, fixtures, parts and sensors may stand in it"
+    owner = next((robot for robot, mover in cell.robots.items() if link in mover.platforms), None)
+    if owner is not None and "work_offsets" in path:
+        message = f"{message}, which the program of `{owner}` moves"
+        hint = "a program follows the external axes of its own robot only; `robot` of an external says whose they are"
+    to.fault("GS712", to.span(path), message, hint)
 
 
 def _fault_of_frame(cell: Cell, name: str, fixed: list[str], path: Path, to: Reading) -> None:

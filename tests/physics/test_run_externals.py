@@ -151,6 +151,20 @@ def test_faults_of_externals(old: str, new: str, code: str, line: int) -> None:
     assert (code, line) in [(f.code, f.span.line) for f in loaded.findings]
 
 
+def test_a_table_of_another_robot_is_told_whose_it_is() -> None:
+    text = (
+        "gcodesim: 1\nrobots:\n  one: {model: kuka_kr10_r1100_2}\n"
+        "  two: {model: kuka_kr10_r1100_2, base: {in: world, xyz: [1400, 0, 0], rpy: [0, 0, 180]}}\n"
+        "externals:\n  table: {robot: one, axes: {C: {travel: unlimited, speed: 90 deg/s}}}\n"
+        "channels:\n  main: {robot: one, work_offsets: {G54: {in: table}}}\n"
+        "  other: {robot: two, work_offsets: {G54: {in: table}}}\n"
+    )
+    loaded = read_cell(SourceText("cell.yaml", text.encode()), Path("cell.yaml"))
+
+    assert [(f.code, f.span.line) for f in loaded.findings] == [("GS712", 9)]
+    assert "`one`" in loaded.findings[0].message and "its own robot" in loaded.findings[0].hint
+
+
 def test_a_letter_is_there_once() -> None:
     text = POSITIONER + "orientation: {words: Z(C) X(B)}\n"
     loaded = read_cell(SourceText("cell.yaml", text.encode()), Path("cell.yaml"))
