@@ -208,7 +208,8 @@ def _check_design(study: Study, to: Reading) -> None:
             and study.find is None
         ):
             message = f"the range of `{name}` lacks `steps`: how many values a {study.design.type} takes of it"
-            to.fault("GS705", to.span((VARY, name)), message, "`steps: 5`; or a design that spreads: `sobol`")
+            hint = "`steps: 5`; or `design: {type: sobol, runs: 16}`, which spreads points over it"
+            to.fault("GS705", to.span((VARY, name)), message, hint)
     if study.design.type == ROWS:
         counts = {name: len(factor.levels) if factor.levels else factor.steps for name, factor in study.vary.items()}
         if len(set(counts.values())) > 1:
