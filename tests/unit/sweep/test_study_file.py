@@ -120,7 +120,7 @@ def test_the_schema_knows_all_keys():
     assert set(schema["$defs"]["Study"]["properties"]) >= {"program", "cell", "job", "vary", "fail", "find", "design"}
 
 
-def test_a_range_without_steps_is_told_how_to_be_spread() -> None:
+def test_a_range_without_steps_is_told_how_to_be_spread(read) -> None:
     """The hint is a line that works."""
     vary = BASE + "vary: {a: {parameter: 5, from: 2, to: 3}}\n"
     (found,) = read(vary).findings
