@@ -161,8 +161,9 @@ def test_a_table_of_another_robot_is_told_whose_it_is() -> None:
     )
     loaded = read_cell(SourceText("cell.yaml", text.encode()), Path("cell.yaml"))
 
-    assert [(f.code, f.span.line) for f in loaded.findings] == [("GS712", 9)]
-    assert "`one`" in loaded.findings[0].message and "its own robot" in loaded.findings[0].hint
+    (fault,) = loaded.findings
+    assert (fault.code, fault.span.line) == ("GS712", 9)
+    assert "`one`" in fault.message and "its own robot" in fault.hint
 
 
 def test_a_letter_is_there_once() -> None:
