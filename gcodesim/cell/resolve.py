@@ -46,7 +46,7 @@ def resolve(cell: Cell, to: Reading) -> Cell:
         cell = replace(cell, simulation=simulation, log=log)
     _check_frames(cell, to)
     check_words(cell, to)
-    _check_materials(to)
+    _check_materials(cell, to)
     _check_stock_on_arm(cell, to)
     _check_systems(cell, to)
     _check_spindle(cell, to)
@@ -317,13 +317,16 @@ def _check_stock_on_arm(cell: Cell, to: Reading) -> None:
             )
 
 
-def _check_materials(to: Reading) -> None:
-    """Materials are defined in the cell or in the library."""
+def _check_materials(cell: Cell, to: Reading) -> None:
+    """Materials are defined in the cell or in the library; only what cuts asks for their constants of force."""
+    from gcodesim.processes import PROCESSES
     from gcodesim.processes.materials import LIBRARY
 
     if ("materials",) in to.broken:
         return
     own = to.names_in("materials")
+    kinds = {kind for tool in cell.tools.values() for kind in tool.processes}
+    pushed = not kinds or any(PROCESSES[kind].pushes for kind in kinds)
     for reference in to.references:
         name = reference.name
         if reference.what != "material" or name in own:
@@ -343,7 +346,7 @@ def _check_materials(to: Reading) -> None:
         elif not LIBRARY[name].usable:
             message = f"the source of material `{name}` is in doubt: {LIBRARY[name].note}"
             to.findings.add(Diagnostic(code="GS729", span=span, message=message))
-        elif LIBRARY[name].law is None:
+        elif LIBRARY[name].law is None and pushed:
             message = f"there are no force data for `{name}`: it is cut without force"
             hint = f"give constants of your own: `materials: {{my_{LIBRARY[name].id}: {{kc11: … N/mm^2, mc: …}}}}`"
             to.findings.add(Diagnostic(code="GS926", span=span, message=message, hint=hint))

@@ -30,9 +30,19 @@ class Parser(argparse.ArgumentParser):
             self.exit(USAGE)
         self._refuse_unknown_options(given)
         namespace, rest = super().parse_known_args(given, namespace)
+        if rest and self._takes(rest, namespace):
+            rest = []
         if rest:
             self._refuse(rest[0])
         return namespace, rest
+
+    def _takes(self, rest: list[str], namespace: Any) -> bool:
+        """Give words that stand behind an option to the argument that takes any number: argparse had it take none."""
+        many = next((one for one in self._actions if not one.option_strings and one.nargs == "*"), None)
+        if many is None or getattr(namespace, many.dest, None) or any(word.startswith("-") for word in rest):
+            return False
+        setattr(namespace, many.dest, self._get_values(many, rest))
+        return True
 
     def error(self, message: str) -> NoReturn:
         """Say what is wrong and where the right form is told; ends with status 2."""

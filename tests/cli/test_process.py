@@ -115,3 +115,10 @@ def test_ridges_between_passes(cli) -> None:
     assert found(*bull, "s=9 mm")["scallop_height_mm"] == pytest.approx(1.0 - 0.75**0.5, rel=1e-9)
     for words in (("s=11 mm",), ("h=6 mm",), (), ("s=1 mm", "h=1 mm"), ("s=1 mm", "type=bull")):
         assert cli("process", "scallop", "diameter=10 mm", *words).status == 2
+
+
+def test_values_may_stand_behind_an_option(cli) -> None:
+    behind = cli("process", "additive.bead", "--format", "json", "height=3mm", "width=6mm")
+
+    assert behind.status == 0
+    assert behind.out == cli("process", "additive.bead", "height=3mm", "width=6mm", "--format", "json").out

@@ -1,7 +1,11 @@
 """The library of cutting constants."""
 
+from pathlib import Path
+
 import pytest
 
+from gcodesim.cell.loader import read_cell
+from gcodesim.diagnostics import SourceText
 from gcodesim.processes.laws import Kienzle, LinearEdge
 from gcodesim.processes.materials import LIBRARY, plain
 
@@ -79,3 +83,17 @@ def test_what_has_no_force_data_is_known_by_name(name):
 def test_titanium_and_stainless_steel_have_constants_with_a_source(name):
     assert LIBRARY[name].law is not None
     assert "ISCAR" in LIBRARY[name].source
+
+
+@pytest.mark.parametrize(
+    ("tool", "codes"),
+    [
+        ("{type: laser, power: 10 W, diameter: 1, specific_energy: 2 J/mm^3, length: 60}", []),
+        ("{type: flat_end_mill, diameter: 6, flutes: 2}", ["GS926"]),
+    ],
+)
+def test_only_what_cuts_asks_for_constants_of_force(tool: str, codes: list[str]) -> None:
+    cell = "gcodesim: 1\nmachine: gantry_xyz\nwork_offsets: {G54: {xyz: [400, 300, -300]}}\n"
+    cell += "stock: {box: [40, 24, 3], zero: top-front-left, material: plywood}\ntools: {1: " + tool + "}\n"
+    found = read_cell(SourceText("cell.yaml", cell.encode()), Path("cell.yaml")).findings
+    assert [f.code for f in found] == codes
