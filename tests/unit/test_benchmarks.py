@@ -11,7 +11,15 @@ import pytest
 
 ROOT = Path(__file__).parents[2]
 
-TINY = {"reading": 200, "time_law": 200, "removal": 300, "log": 200, "inverse_kinematics": 50, "editor": 300}
+TINY = {
+    "reading": 200,
+    "time_law": 200,
+    "removal": 300,
+    "log": 200,
+    "inverse_kinematics": 50,
+    "editor": 300,
+    "surface": 40,
+}
 
 
 @pytest.fixture(autouse=True)
@@ -47,6 +55,18 @@ def test_the_reference_job_is_that_of_the_goals():
     assert lines[9] == "F2000"
     assert lines[-2] == "M2"
     assert list(job.lines(250)) != list(job.lines(251))
+
+
+def test_projects_of_scripts_take_the_program_beside_them(tmp_path, capsys):
+    camotics = importlib.import_module("benchmarks.camotics")
+    files = {"wave": ("wave.tpl", "wave.gcode"), "box": ("box.tpl", "box.txt"), "cat": ("c.nc", "c.nc")}
+    for name, (file, beside) in files.items():
+        (tmp_path / name).mkdir()
+        (tmp_path / name / f"{name}.camotics").write_text(json.dumps({"files": [file]}))
+        (tmp_path / name / beside).write_text("M2\n")
+
+    assert [program.name for _, program in camotics.projects(tmp_path)] == ["c.nc", "wave.gcode"]
+    assert capsys.readouterr().out.split() == ["box", "left", "out:", "box.tpl"]
 
 
 def test_stages_add_up_to_a_whole_run(tmp_path):
