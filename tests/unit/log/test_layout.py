@@ -138,4 +138,9 @@ def test_the_line_of_the_program_comes_first_and_legends_fit_their_names():
 
     assert panels["StateTransitions!program"]["paths"][0]["value"] == "/program.line"
     width = {name: panel["sidebarDimension"] for name, panel in panels.items() if name.startswith("Plot!")}
-    assert width["Plot!joints"] < width["Plot!limits"] <= 110
+    assert width["Plot!joints"] < width["Plot!limits"] <= 160  # what leaves a chart in a window of 1400 pixels
+    for name, panel in panels.items():
+        if name.startswith("Plot!"):
+            longest = max(len(path["label"]) for path in panel["paths"])
+            given = 36 + 0.4 * panel["sidebarDimension"]  # measured there, in a panel of 225 pixels
+            assert given >= 57 + 6.5 * min(longest, 6), name
