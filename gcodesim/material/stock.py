@@ -99,12 +99,15 @@ class Stock:
     own frame, when the part was laid on another side (`turning`). All points are in the frame of the columns.
     `doses` is what beams have given each column per area, (nx, ny), by the name of what is meant.
     `parting` looks in a run for pieces that come loose.
+    `hung` (nx, ny) [m], of a stock turned over: what the walls of the other side take of each column, less what they
+    leave of it. Walls are kept from the top down, so a cut of the same wall from this side may lose as much.
     """
 
     __slots__ = (
         "doses",
         "exact",
         "field",
+        "hung",
         "lattice",
         "material",
         "original",
@@ -132,6 +135,7 @@ class Stock:
         self.lattice: Lattice | None = None
         self.parting: Parting | None = None
         self.exact: Exact | None = None
+        self.hung: Array | None = None
         self.doses: dict[str, Array] = {}
         self.original = original if original is not None else _copied(columns)
         nx, ny = columns.number.shape
@@ -301,7 +305,15 @@ class Stock:
         change = np.zeros(columns.number.shape)
         if changes(columns, self.original, change) == 0.0:
             return 0.0
-        return float(error_bound(self.field, change))
+        return float(error_bound(self.field, change)) + self._lost_of_hung(change)
+
+    def _lost_of_hung(self, change: Array) -> float:
+        """Volume [m^3] that cuts may have lost where they met walls of the side that was the top before."""
+        if self.hung is None:
+            return 0.0
+        cut = np.pad(change != 0.0, 1)
+        met = cut[1:-1, 1:-1] | cut[2:, 1:-1] | cut[:-2, 1:-1] | cut[1:-1, 2:] | cut[1:-1, :-2]
+        return abs(float(self.hung[met].sum())) * float(self.field.grid.dx * self.field.grid.dy)
 
     def copy(self) -> Stock:
         """An independent stock in the same state."""
@@ -316,7 +328,7 @@ class Stock:
         twin.field.dirty[:] = self.field.dirty
         twin.field.walls[:] = self.field.walls
         twin.turn = self.turn.copy()
-        twin.exact = self.exact
+        twin.exact, twin.hung = self.exact, self.hung
         twin.doses = {name: dose.copy() for name, dose in self.doses.items()}
         twin.lattice = None if self.lattice is None else self.lattice.copy()
         return twin

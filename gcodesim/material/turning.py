@@ -18,6 +18,7 @@ from gcodesim.material.stock import Stock, cells_along
 
 Array = NDArray[np.float64]
 Singles = NDArray[np.float32]
+Flags = NDArray[np.bool_]
 
 _QUARTER = np.array([[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])  # y becomes x
 _ON_EDGE = np.array([[0.0, 0.0, -1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]])  # x becomes z
@@ -68,7 +69,9 @@ def _flat(stock: Stock, R: Array) -> Stock:
     if signs[2] < 0.0:
         lo, hi = _upside_down(lo, hi, count)
         z_range = (-z_range[1], -z_range[0])
-    return _like(stock, Columns(lo, hi, count), grid, z_range, walls)
+    made = _like(stock, Columns(lo, hi, count), grid, z_range, walls)
+    made.hung = _beyond_each(walls) if signs[2] < 0.0 else None
+    return made
 
 
 def _like(
@@ -88,6 +91,28 @@ def _like(
     if walls is not None:
         made.field.walls[:] = walls
     return made
+
+
+def _beyond_each(walls: Singles) -> Array:
+    """What walls take of each column less what they leave of it [m], (nx, ny): the parts of `beyond_columns`."""
+    from gcodesim.material.wall_kernels import HEIGHT, LOWER, PLACE, SECOND
+
+    place, height, second, lower = (walls[plane : plane + 2].astype(float) for plane in (PLACE, HEIGHT, SECOND, LOWER))
+    beyond = np.abs(place) - 2.0
+    taken = np.maximum(beyond, 0.0) * height + np.maximum(second, 0.0) * lower
+    left = np.maximum(-beyond, 0.0) * height + np.maximum(-second, 0.0) * lower
+    above, below = place < 0.0, place > 0.0  # which column of a border stands
+    found: Array = _greatest(taken, above, below) - _greatest(left, below, above)
+    return found
+
+
+def _greatest(length: Array, of_next: Flags, of_last: Flags) -> Array:
+    """The greatest of what a column's four borders say, (nx, ny): those before it count where `of_next`, those behind
+    it where `of_last`."""
+    before, behind = np.where(of_next, length, 0.0), np.where(of_last, length, 0.0)
+    sides = before[0, :-1, :-1], before[1, :-1, :-1], behind[0, 1:, :-1], behind[1, :-1, 1:]
+    found: Array = np.maximum.reduce(sides)
+    return found
 
 
 def _mirrored(walls: Singles, axis: int) -> Singles:

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from gcodesim.material import Stock
+from gcodesim.material.kernels import beyond_columns
 from gcodesim.material.shape import flat
 from gcodesim.material.stock_file import load_stock, save_stock
 from gcodesim.material.turning import turn_for, turned
@@ -65,6 +66,24 @@ def test_turning_over_and_back_is_the_same_to_the_bit(R):
     assert np.array_equal(back.field.walls, stock.field.walls)
     assert back.field.grid == pytest.approx(stock.field.grid, abs=1e-15)
     assert np.array_equal(back.turn, np.eye(3))
+
+
+@pytest.mark.parametrize("resolution", [0.5, 0.35, 0.25, 0.2, 0.15])
+@pytest.mark.parametrize("place", [(0.0, 0.0), (0.07, 0.11)])
+def test_the_bound_of_a_hole_from_both_sides_holds(resolution, place):
+    """Walls are kept from the top down: where the second side meets those of the first, parts of cells are lost."""
+    stock = Stock.box((0, 0, -10 * MM), (24 * MM, 20 * MM, 0), resolution * MM)
+    x, y = 12 + place[0], 10 + place[1]
+    fresh = stock.volume
+    stock.remove(*np.array([[[x, y, 1.0]], [[x, y, -4.0]]]) * MM, flat(8 * MM, 50 * MM))
+    over = turned(stock, np.diag([1.0, -1.0, -1.0]))
+    first = fresh - over.volume
+    over.remove(*np.array([[[x, -y, 11.0]], [[x, -y, 3.0]]]) * MM, flat(8 * MM, 50 * MM))
+
+    assert over.hung.sum() == pytest.approx(float(beyond_columns(stock.field.walls)), abs=1e-12)
+    exact = np.pi * 16.0 * 10.0 * MM**3
+    assert abs(fresh - over.volume - exact) < over.error_bound() + stock.error_bound()
+    assert first == pytest.approx(0.4 * exact, abs=stock.error_bound())
 
 
 @pytest.mark.parametrize("up", np.vstack([np.eye(3), -np.eye(3), [[0.4, 0.1, 0.9], [0.1, -0.9, 0.3]]]))
