@@ -45,10 +45,9 @@ def milled(along: int) -> Stock:
 
 def cells_of(stock: Stock) -> Array:
     """Whether material is in the middle of each cell, with air around: 1 or 0."""
-    columns = stock.field.columns
     low, size = -HEIGHT * MM, stock.cell
     z = low + (np.arange(round(HEIGHT * MM / size)) + 0.5) * size
-    top = np.where(columns.number > 0, columns.hi[:, :, 0], -np.inf)
+    top = np.nan_to_num(stock.relief().tops, nan=-np.inf)
     return np.pad((z < top[:, :, None]).astype(np.float32), 1)
 
 

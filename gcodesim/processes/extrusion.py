@@ -217,7 +217,6 @@ class Extrusion(Process):
 def _off_grid(stock: Stock, starts: Array, ends: Array) -> NDArray[np.bool_]:
     """Whether the middle (c,) of each piece of a bead lies beside the columns of the stock."""
     middle = 0.5 * (starts + ends)[:, :2]
-    low = stock.origin
-    high = low + stock.spacing * stock.field.columns.number.shape
-    off: NDArray[np.bool_] = np.any((middle < low) | (middle > high), axis=1)
+    low, high = stock.bounds
+    off: NDArray[np.bool_] = np.any((middle < low[:2]) | (middle > high[:2]), axis=1)
     return off
