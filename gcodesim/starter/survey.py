@@ -193,8 +193,8 @@ def _dialect_of(program: SourceText) -> tuple[str, str, bool]:
         ]
         if any(f.code in _ENDLESS for f in errors):
             endless.add(dialect)
-        kinds = {(f.code, f.message) for f in errors}
-        unknown = sum(code in _UNKNOWN_WORDS for code, _ in kinds)
+        kinds = {(f.code, f.message): _is_of_words(f, head) for f in errors}
+        unknown = sum(kinds.values())
         faults[dialect] = (unknown, len(kinds) - unknown)
         if not errors:
             break
@@ -203,6 +203,13 @@ def _dialect_of(program: SourceText) -> tuple[str, str, bool]:
         return best, reason, best not in endless
     why = "no other dialect understands more of it" if any(faults[best]) else "it understands every line"
     return best, why, best not in endless
+
+
+def _is_of_words(fault: Diagnostic, program: SourceText) -> bool:
+    """Whether words of `program` are unknown; a `)` without its `(` is a slip in a comment, in every dialect."""
+    place = fault.span
+    stray = place.line > 0 and program.line(place.line)[place.column - 1 : place.end_column - 1] == ")"
+    return fault.code in _UNKNOWN_WORDS and not stray
 
 
 def _told_dialect(program: SourceText) -> tuple[str, str]:

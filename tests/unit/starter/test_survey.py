@@ -49,6 +49,8 @@ def verdict(text: str, tmp_path: Path) -> tuple[str, set[str], dict[str, float]]
         ("G21\nT1 M6\nG43 H1\nG0 Z5\nG1 X1 F100\nM2\n", "linuxcnc"),
         # a feed that is missing in every line is one fault, and Fanuc does not know named parameters and O-words
         ("G21\nT1 M6\n#<a>=1\no1 if [#<a>]\no1 endif\n" + "G1 X1\nG1 X2\n" * 50 + "M2\n", "linuxcnc"),
+        # a bracket too many is a slip in a comment, not a word that the control of a laser does not know
+        ("(S1000 (--- laser on))\nG21 G90\nM3 S1000\nG1 X5 Y5 F500\nG3 I2 J0 K0 X9 Y5\nM5\n", "grbl"),
         ("(Grbl)\nG21\nT1 M6\nG43 H1\nG0 Z5\nG1 X1 F100\nM2\n", "linuxcnc"),  # whatever it says of itself
     ],
 )
