@@ -541,7 +541,9 @@ def feel(
         way_cut = Heading(ux, uy, level, climb)
         cell = coarsest(field)
         force, torque = greatest_loads(tool.teeth, way_cut, chip, cell, room, used, result, length, state.peaks)
-        out[PEAK], out[PEAK_TORQUE] = ratio * force, ratio * torque
+        mean = float(np.sqrt(result[0] * result[0] + result[1] * result[1] + result[2] * result[2]))
+        # peaks are kept while a cut is alike; no mean is above its peak
+        out[PEAK], out[PEAK_TORQUE] = max(ratio * force, mean), max(ratio * torque, result[TORQUE])
         out[OUT_TORQUE] = result[TORQUE]
         out[POWER] = result[TORQUE] * spindle
         out[ENGAGED] = 1.0

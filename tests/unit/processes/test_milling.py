@@ -342,6 +342,18 @@ def test_a_left_hand_helix_changes_the_peak_only():
     assert left.wrench == pytest.approx(right.wrench)
 
 
+@pytest.mark.parametrize(("flutes", "depth", "steps"), [(6, 1e-3, 400), (4, 8e-3, 140)])
+def test_no_peak_is_below_its_mean(flutes, depth, steps):
+    """A slot as wide as the cutter: a steep helix makes the force nearly even, and it grows while the cutter enters."""
+    slot = line((-8e-3, 20e-3, -depth), (20e-3, 20e-3, -depth), steps)
+    found, _ = run(slot, process=Milling(cutter=tool(flutes=flutes, helix=0.8), law=STEEL))
+    force = np.sqrt(np.square(found.wrench[:, :3]).sum(axis=1))
+
+    assert force.max() > 100.0
+    assert (found["peak_force"] >= force * (1.0 - 1e-12)).all()
+    assert (found["peak_torque"] >= found["torque"]).all()
+
+
 def test_half_out_of_the_stock_finite():
     """Along the edge and over the corner: no NaN, force falls to zero."""
     path = np.vstack([line((50e-3, -1e-3, -3e-3), (70e-3, -1e-3, -3e-3), 100)])
