@@ -123,11 +123,14 @@ class ProcessStep:
         """The steps of several results, one after the other."""
         if len(parts) == 1:
             return parts[0]
-        names = list(dict.fromkeys(name for part in parts for name in part.columns))
+        kinds = {name: values.dtype for part in parts for name, values in part.columns.items()}
         return ProcessStep(
             wrench=np.concatenate([part.wrench for part in parts]),
             deflection=np.concatenate([part.deflection for part in parts]),
-            columns={name: np.concatenate([part[name] for part in parts]) for name in names},
+            columns={
+                name: np.concatenate([part.columns.get(name, np.zeros(len(part.wrench), kind)) for part in parts])
+                for name, kind in kinds.items()
+            },
             changes=tuple(change for part in parts for change in part.changes),
         )
 
