@@ -242,7 +242,7 @@ _PRINTER: Final = {
     "M218": "offset of another nozzle",
     "M220": "feed override, S percent",
     "M221": "flow override, S percent",
-    "M400": "wait until all moves are done",
+    "M400": "wait until all moves are done, on a Bambu then S seconds or P milliseconds",
     "M566": "jerk, in mm/min",
     "M600": "change the filament",
 }

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final
 from gcodesim import canon
 from gcodesim.canon.printing import Four
 from gcodesim.rs274.marlin.line import MarlinLine
-from gcodesim.rs274.marlin.moves import number, set_offset
+from gcodesim.rs274.marlin.moves import dwell, number, set_offset
 from gcodesim.rs274.marlin.printer import area_of
 from gcodesim.units import MINUTE, MM
 
@@ -140,6 +140,14 @@ def _stop(do: PrinterExecutor, line: MarlinLine) -> None:
     do.control.out.append(canon.Stop(span=do.control.span))
 
 
+def _await_moves(do: PrinterExecutor, line: MarlinLine) -> None:
+    """M400; on Bambu's printers, whose files are of Marlin's kind, with a time to wait besides, given as in G4."""
+    if line.has("sp") and do.dialect.name == "marlin":
+        dwell(do, line)
+    else:
+        do.skip(line.name, line)
+
+
 def _message(do: PrinterExecutor, line: MarlinLine) -> None:
     """M117, M118."""
     do.control.out.append(canon.Message(span=do.control.span, text=line.text))
@@ -170,5 +178,6 @@ CODES: Final[dict[str, Act]] = {
     "M218": _offset,
     "M220": _pace,
     "M221": _flow,
+    "M400": _await_moves,
     "M566": _jerk_a_minute,
 }

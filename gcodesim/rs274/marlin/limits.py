@@ -12,6 +12,8 @@ from gcodesim.units import MM
 
 _TAIL: Final = 60_000  # bytes at either end of a program in which slicers write their settings
 _SETTING: Final = re.compile(rb"^;[ \t]*(machine_max_[a-z_]+)[ \t]*=[ \t]*([0-9.]+)", re.MULTILINE)
+_SPEED: Final = ("feedrate", "speed")
+"""How PrusaSlicer and SuperSlicer, then Bambu Studio, OrcaSlicer and Creality Print call the greatest speed."""
 _RETRACTION: Final = re.compile(rb"^;[ \t]*retract_(length|speed)[ \t]*=[ \t]*([0-9]+\.?[0-9]*)", re.MULTILINE)
 
 
@@ -94,8 +96,9 @@ def first_retraction(source: SourceText) -> tuple[float, float] | None:
 
 
 def _of_slicer(found: dict[str, float], limits: MotionLimits) -> MotionLimits:
-    def four(name: str, known: Four) -> Four:
-        values = [found.get(f"machine_max_{name}_{axis}", -1.0) for axis in "xyze"]
+    def four(names: tuple[str, ...], known: Four) -> Four:
+        keys = [[f"machine_max_{name}_{axis}" for name in names] for axis in "xyze"]
+        values = [next((found[key] for key in of_axis if key in found), -1.0) for of_axis in keys]
         return tuple(v * MM if v > 0.0 else k for v, k in zip(values, known, strict=True))  # type: ignore[return-value]
 
     def one(name: str, known: float) -> float:
@@ -104,9 +107,9 @@ def _of_slicer(found: dict[str, float], limits: MotionLimits) -> MotionLimits:
 
     printing = one("extruding", limits.printing)
     return limits._replace(
-        speed=four("feedrate", limits.speed),
-        acceleration=four("acceleration", limits.acceleration),
-        jerk=four("jerk", limits.jerk),
+        speed=four(_SPEED, limits.speed),
+        acceleration=four(("acceleration",), limits.acceleration),
+        jerk=four(("jerk",), limits.jerk),
         printing=printing,
         retracting=one("retracting", printing),
         travel=one("travel", printing),

@@ -110,6 +110,22 @@ def test_limits_in_the_units_of_each_firmware(printed):
     assert (last[2].printing, last[2].corner, last[2].speed[0]) == (1.5, 0.007, 0.15)
 
 
+@pytest.mark.parametrize("word", ["feedrate", "speed"])  # of PrusaSlicer; of Bambu Studio and OrcaSlicer
+def test_limits_that_a_slicer_writes_as_comments(printed, word):
+    said = f"; machine_max_{word}_x = 800,200\n; machine_max_{word}_z = 20\n; machine_max_acceleration_x = 9000,5000\n"
+    limits = next(e.limits for e in printed(f"G1 X1 F60\n{said}").raw if isinstance(e, canon.PlannerLimits))
+
+    assert limits.speed == pytest.approx((0.8, 0.3, 0.02, 0.025))
+    assert limits.acceleration[0] == 9.0
+
+
+def test_m400_may_wait_longer_than_the_moves(printed):
+    program = "G1 X1 F60\nM400\nM400 S2\nM400 P250\n"
+
+    assert [e["seconds"] for e in printed(program).acts("dwell")] == [2, 0.25]
+    assert printed(program, "reprapfirmware").acts("dwell") == []  # there S1 keeps the motion system
+
+
 @pytest.mark.parametrize(
     ("text", "section"),
     [
