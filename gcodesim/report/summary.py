@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
 from gcodesim.jobs.coating import summary_of
@@ -10,6 +10,7 @@ from gcodesim.jobs.results import Results
 from gcodesim.jobs.target_result import TargetResult
 
 _MOST_FEATURES: Final = 8
+_MOST_WORDS: Final = 5
 _LEFT_OUT: Final = {
     "shape": "without forces and log",
     "motion": "nothing is cut",
@@ -89,9 +90,16 @@ def summary_rows(results: Results) -> list[list[str]]:
             where = f"line {joint['line_of_margin']}"
             rows.append([f"{joint['name']}: least margin", f"{joint['margin']:.1f} {joint['unit']}", where])
     count = sum(entry["count"] for entry in results.not_simulated)
-    words = ", ".join(f"{entry['word']} ({entry['count']})" for entry in results.not_simulated)
-    rows.append(["words not simulated", str(count), words])
+    rows.append(["words not simulated", str(count), _words(results.not_simulated)])
     return rows
+
+
+def _words(entries: Sequence[Mapping[str, Any]]) -> str:
+    """The most frequent words with their counts, and how many others there are."""
+    frequent = sorted(entries, key=lambda entry: -entry["count"])
+    shown = ", ".join(f"{entry['word']} ({entry['count']})" for entry in frequent[:_MOST_WORDS])
+    more = len(entries) - _MOST_WORDS
+    return f"{shown} and {more} more: `--format json`" if more > 0 else shown
 
 
 def _mass(mass: float) -> str:

@@ -32,6 +32,16 @@ def test_words_are_listed_with_count_and_first_line(cli, write) -> None:
     assert "words not simulated" in text and "M8 (2), M7 (1), M100 (1), M9 (1)" in text
 
 
+def test_many_words_stay_on_a_short_line(cli, write) -> None:
+    unknown = "".join(f"M{100 + k}\n" * (3 if k == 7 else 1) for k in range(12))
+    write("part.nc", f"G21 G90\nT1 M6\n{unknown}M2\n")
+
+    (row,) = [line for line in cli("check", "part.nc", "--cell", "cell.yaml").out.splitlines() if "words not" in line]
+    assert row.endswith("14  M107 (3), M100 (1), M101 (1), M102 (1), M103 (1) and 7 more: `--format json`")
+    listed = cli("check", "part.nc", "--cell", "cell.yaml", "--format", "json").json["not_simulated"]
+    assert len(listed) == 12
+
+
 def test_the_total_is_printed_when_it_is_0(cli) -> None:
     rows = [row.split() for row in cli("check", "slot.nc", "--cell", "cell.yaml").out.splitlines()]
     assert ["words", "not", "simulated", "0"] in rows
