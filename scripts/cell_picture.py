@@ -25,9 +25,10 @@ from gcodesim.session.sensor_in_hand import looking
 Array = NDArray[np.float64]
 
 FINER = 2  # the picture is drawn so much larger and then averaged, which smooths the edges
+TRAIL = np.array([40.0, 90.0, 200.0])
 MARGIN = 0.88  # of the picture's width that is used
 VIEW = 0.6  # [rad] from the left border to the right one
-TOPICS = ("/scene/cell", "/scene/tool")
+TOPICS = ("/scene/cell", "/scene/tool", "/scene/drawn")
 
 
 def drawings_at(recording: Recording, t_ns: int, *, paths: bool) -> list[Drawing]:
@@ -53,6 +54,13 @@ def parts_of(recording: Recording, t_ns: int, *, paths: bool) -> Iterator[tuple[
         for lines in drawing.lines:
             if len(lines.segments):
                 yield "lines", _moved(lines.points, X)[lines.segments], 255.0 * np.array(lines.color[:3])
+
+
+def trail_of(recording: Recording, t_ns: int) -> tuple[Array, Array]:
+    """The way of the tip until a time: lines (n, 2, 3) in the world, and their colour."""
+    tip = recording.series("/tcp")
+    points = np.stack([tip.column(f"pose.position.{axis}") for axis in "xyz"], axis=1)[tip.t_ns <= t_ns]
+    return np.stack([points[:-1], points[1:]], axis=1), TRAIL
 
 
 def _moved(points: Array, X: Array) -> Array:
@@ -90,12 +98,18 @@ def main() -> None:
     parser.add_argument("--width", type=int, default=640)
     parser.add_argument("--height", type=int, default=480)
     parser.add_argument("--paths", action="store_true", help="draw the paths too")
+    parser.add_argument("--trail", action="store_true", help="draw the way of the tip")
     said = parser.parse_args()
     recording = Recording.open(said.out)
     t_ns = recording.end_ns if said.at is None else round(said.at * 1e9)
+    if t_ns > recording.end_ns:
+        parser.error(f"the run ends at {recording.end_ns * 1e-9:.3f} s")
     shapes = list(parts_of(recording, t_ns, paths=said.paths))
     solid = [(points, color.astype(np.uint8)) for kind, points, color in shapes if kind == "triangles"]
     lines = [(points, color.astype(np.uint8)) for kind, points, color in shapes if kind == "lines"]
+    if said.trail:
+        points, color = trail_of(recording, t_ns)
+        lines.append((points, color.astype(np.uint8)))
     cloud = np.concatenate([points.reshape(-1, 3) for points, _ in solid])
     turn, tilt = radians(said.turn), radians(said.tilt)
     back = np.array([sin(turn) * cos(tilt), -cos(turn) * cos(tilt), sin(tilt)])

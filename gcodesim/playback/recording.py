@@ -180,7 +180,8 @@ class Recording:
         """
         wanted: dict[int, tuple[str, Callable[[RawMessage], Any]]] = {}
         others = [f"/{name}{topic}" for name in self.channels for topic in ("/event", "/scene/tool")]
-        for topic in ("/tf_static", "/program", "/event", "/scene/cell", "/scene/path", "/scene/tool", *others):
+        scenes = ("/scene/cell", "/scene/path", "/scene/tool", "/scene/drawn")
+        for topic in ("/tf_static", "/program", "/event", *scenes, *others):
             channel = self.log.channel_id(topic)
             if channel is not None:
                 wanted[channel] = (topic, decoder_of(self.log, channel))

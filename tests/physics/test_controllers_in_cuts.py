@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
+import importlib
 from pathlib import Path
-from typing import ClassVar
 
-import numpy as np
 import pytest
 
-import gcodesim
-from gcodesim.controllers import Controller, Sense
-from gcodesim.controllers.flexible import Flexible
-from gcodesim.frozen import frozen
 from tests.physics.runs import run_texts
+
+ROOT = Path(__file__).parents[2]
 
 ARM = """
 gcodesim: 1
@@ -76,37 +73,12 @@ def test_moving_gears_bear_a_bore_that_gears_without_mass_bear(tmp_path: Path) -
     assert error["flexible"] < 1.2 * error[""]
 
 
-@frozen(slots=False, eq=False)
-class Stiffened(Flexible):
-    """Turns the motors further by what the measured force of the cut winds up in the gears."""
-
-    kind: ClassVar[str] = "stiffened"
-
-    def aim(self, sense: Sense) -> np.ndarray:
-        last = sense.memory.get("wrench", np.zeros(6))
-        sense.memory["wrench"] = felt = last + 0.2 * (sense.wrench - last)  # 20 ms, as a sensor smooths
-        wound: np.ndarray = (sense.model.jacobian(sense.q).T @ felt) / sense.model.gears
-        return sense.q_ref - wound
-
-
-def cut_slot(cell: Path, controller: Controller) -> dict[str, float]:
-    """Path accuracy of a slot that a session mills with this controller."""
-    with gcodesim.open_cell(cell) as opened:
-        robot, tool = opened.robot(), opened.tool(1)
-        robot.controller = controller
-        tool.couple(robot)
-        tool.spin(840.0)
-        corners = [[-10, 30, 10], [-10, 30, -2], [40, 30, -2], [40, 30, 10]]
-        robot.run(gcodesim.ToolPath.from_points(1e-3 * np.array(corners), feed=0.015))
-    found = opened.results.path_accuracy
-    assert found is not None
-    return dict(found)
-
-
-def test_a_controller_that_measures_the_milling_force_halves_the_error_of_the_path(tmp_path: Path) -> None:
-    cell = tmp_path / "cell.yaml"
-    cell.write_text(arm(""))
-    plain, stiffened = (cut_slot(cell, own) for own in (Flexible(), Stiffened()))
+def test_a_controller_that_measures_the_milling_force_halves_the_error_of_the_path(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.syspath_prepend(str(ROOT / "programs"))
+    script = importlib.import_module("force_control")
+    plain, stiffened = (script.cut(own) for own in script.CONTROLLERS)
 
     assert plain["rms_mm"] > 0.05
     assert stiffened["rms_mm"] < 0.5 * plain["rms_mm"]

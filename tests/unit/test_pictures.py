@@ -52,11 +52,21 @@ def test_no_picture_of_the_gallery_is_stale(pictures):
     """Each shows the result that is accepted now, and stands on the page."""
     page = (ROOT / "docs" / "gallery.md").read_text(encoding="utf-8")
 
-    assert set(pictures.GALLERY) == {path.name for path in (ROOT / "docs" / "gallery").glob("*.png")}
+    assert {*pictures.GALLERY, *pictures.SCRIPTED} == {path.name for path in (ROOT / "docs" / "gallery").glob("*.png")}
     for name, shot in pictures.GALLERY.items():
         png = (ROOT / "docs" / "gallery" / name).read_bytes()
         assert pictures.part_of(png) == pictures.digest_of(shot), f"scripts/make_pictures.py {name}"
         assert f"(gallery/{name})" in page and f"`{shot.example}`" in page
+
+
+@pytest.mark.parametrize("name", ["force_control.png", "taught_poses.png"])
+def test_no_picture_of_a_script_is_stale(pictures, tmp_path, name):
+    page = (ROOT / "docs" / "gallery.md").read_text(encoding="utf-8")
+    scripted = pictures.SCRIPTED[name]
+
+    png = (ROOT / "docs" / "gallery" / name).read_bytes()
+    assert pictures.part_of(png) == pictures.said_by(scripted, tmp_path), f"scripts/make_pictures.py {name}"
+    assert f"(gallery/{name})" in page and f"`{scripted.example}.py`" in page
 
 
 def test_a_picture_of_the_gallery_is_drawn_from_a_log(pictures, tmp_path, monkeypatch):
