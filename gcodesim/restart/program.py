@@ -18,8 +18,8 @@ from gcodesim.rs274 import Run, Settings, interpret
 from gcodesim.rs274.entry.halted import Halted
 from gcodesim.rs274.entry.preamble import preamble
 from gcodesim.rs274.entry.remaining import remaining, up_to
+from gcodesim.rs274.marlin.halted_print import HaltedPrint
 from gcodesim.rs274.marlin.preamble import print_preamble
-from gcodesim.rs274.marlin.printer import Printer
 from gcodesim.rs274.marlin.said import is_said_again
 
 NAME: Final = "restart"
@@ -68,10 +68,10 @@ def restart_of(program: SourceText, line: int, run: Run, path: ToolPath, events:
 
 
 def _preamble(halted: Halted, line: int, path: ToolPath, events: Sequence[Event]) -> list[str]:
-    control, printer = halted.control, halted.printer
-    if printer is None:
+    control = halted.control
+    if not isinstance(halted, HaltedPrint):
         return [f"{MARK}{line})", *preamble(control, approach_of(control, path, events))]
-    return [f";{MARK}{line})", *print_preamble(control, printer, print_approach(path))]
+    return [f";{MARK}{line})", *print_preamble(control, halted.printer, print_approach(path))]
 
 
 def _refused(span: Span, line: int, reasons: Sequence[str], hint: str) -> Diagnostic:
@@ -118,7 +118,7 @@ def _left_out(span: Span, events: Sequence[Event]) -> Iterable[Diagnostic]:
 
 def _of_print(span: Span, halted: Halted, path: ToolPath) -> Iterable[Diagnostic]:
     """GS149 for what was done to the printer before and is not done again."""
-    if halted.printer is None:
+    if not isinstance(halted, HaltedPrint):
         return
     if len(path):
         yield Diagnostic(
@@ -154,15 +154,16 @@ def _wrong(made: SourceText, program: SourceText, halted: Halted, line: int, set
         return "the preamble does not lead to the place where the tool is then"
     if old.state.tool != new.state.tool or old.state.spindle != new.state.spindle:
         return "the preamble does not bring tool and spindle into their state"
-    if _of_extruder(halted.printer) != _of_extruder(again.halted.printer):
+    if _of_extruder(halted) != _of_extruder(again.halted):
         return "the preamble does not bring the extruder into its state"
     return ""
 
 
-def _of_extruder(printer: Printer | None) -> tuple[object, ...]:
+def _of_extruder(halted: Halted) -> tuple[object, ...]:
     """What moves of filament depend on."""
-    if printer is None:
+    if not isinstance(halted, HaltedPrint):
         return ()
+    printer = halted.printer
     flow, area = printer.flow.get(printer.tool), printer.areas.get(printer.tool)
     modes = (printer.e_relative, printer.is_retracted, printer.tool, flow, area, printer.limits, printer.section)
     return (round(printer.e, 4), round(printer.speed, 3), *modes)

@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     from gcodesim.diagnostics import SourceText
     from gcodesim.rs274.control import Control
     from gcodesim.rs274.frame import Frame
-    from gcodesim.rs274.marlin.printer import Printer
     from gcodesim.rs274.program_file import ProgramFile
 
 _G52: Final = 520
@@ -31,7 +30,8 @@ _STRAIGHT: Final = (0, 10)
 class Halted:
     """The `control` as it is when the line is reached, the `file` of the program, and the calls that led there.
 
-    Of a lathe of Fanuc: the `cycle` in force (90, 92, 94), and the `prepared` ones, whose first line has been read.
+    Where cycles of a lathe stay in force or have two lines: the `cycle` in force (90, 92, 94), and the `prepared` ones,
+    whose first line has been read.
     """
 
     control: Control
@@ -39,7 +39,6 @@ class Halted:
     frames: tuple[Frame, ...]
     cycle: float | None = None
     prepared: frozenset[float] = frozenset()
-    printer: Printer | None = None
 
     def inside(self, source: SourceText) -> Halted:
         """The same in the whole program, where what was read ends at the line."""

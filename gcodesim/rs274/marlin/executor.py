@@ -9,11 +9,11 @@ from gcodesim import canon
 from gcodesim.canon.printing import MotionLimits
 from gcodesim.diagnostics import Diagnostic, SourceText, Span
 from gcodesim.rs274.control import Control
-from gcodesim.rs274.entry.halted import Halted
 from gcodesim.rs274.fault import Fault
 from gcodesim.rs274.flow import FlowControl
 from gcodesim.rs274.marlin.codes import CODES
 from gcodesim.rs274.marlin.comments import take_comment
+from gcodesim.rs274.marlin.halted_print import HaltedPrint
 from gcodesim.rs274.marlin.lanes import PrinterLanes
 from gcodesim.rs274.marlin.limits import first_limits, first_retraction
 from gcodesim.rs274.marlin.line import MarlinLine, line_of
@@ -82,8 +82,8 @@ class PrinterExecutor(Executor):
             self.printer.tool = known[0] - self._first_number
             self._put_in(known[0])
 
-    def _halted(self) -> Halted:
-        return replace(super()._halted(), printer=self.printer)
+    def _halted(self) -> HaltedPrint:
+        return HaltedPrint(control=self.control, file=self.file, frames=tuple(self.flow.frames), printer=self.printer)
 
     def _line(self, file: ProgramFile, index: int, text: str) -> None:
         control = self.control
