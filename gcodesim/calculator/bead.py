@@ -14,6 +14,7 @@ from gcodesim.tools.extruder import Extruder
 from gcodesim.units import MM
 
 _LENGTH = Quantity("length", POSITIVE)
+_ROUND = 1e-9  # a bead that is narrower than high by less than this share is round, and its flow was rounded
 
 
 def _extruder(width: float, height: float, filament: float = 1.75 * MM) -> Extruder:
@@ -94,6 +95,7 @@ class BeadSection(Model):
             width = self.width
         elif self.flow is not None and self.speed is not None:
             width = self.flow / self.speed / h + h * (1.0 - 0.25 * pi)
+            width = h if abs(width - h) <= _ROUND * h else width
         else:
             raise CannotComputeError("how wide is the bead? give `width`, or `flow` and `speed`")
         area = _extruder(width, h).bead_area

@@ -48,14 +48,15 @@ class SuctionLoad(Model):
         Result("total_force", "force", "of all cups", ("holding_force", "suction_force", "force")),
         Result("pull", "force", "load away from the cups", ("normal_load", "pull_off_load")),
         Result("lateral_load", "force", "load along the face", ("shear_load",)),
-        Result("needed_force", "force", "that holds this load", ("required_force", "force_needed")),
+        Result("needed_force", "force", "that just holds this load", ("force_needed",)),
+        Result("required_force", "force", "that, times `safety`", ("required_holding_force",)),
         Result("peel_force", "force", "that keeps the cup loaded most from peeling off", ("needed_against_peel",)),
         Result("safety_figure", "", "force over the force needed", ("safety_factor", "actual_safety")),
         Result("holds", "", "whether that is at least `safety`"),
         Result("max_vertical_accel", "acceleration", "greatest lift from a level face", ("max_acceleration",)),
         Result("max_lateral_accel", "acceleration", "greatest acceleration aside below a level face"),
         Result("max_mass", "mass", "that is held with these accelerations, without `lever`"),
-        Result("needed_vacuum", "pressure", "that holds this load", ("required_vacuum",)),
+        Result("needed_vacuum", "pressure", "that holds this load, times `safety`", ("required_vacuum",)),
     )
 
     cups: int = key(Whole(POSITIVE), "number of cups", default=1)
@@ -92,6 +93,7 @@ class SuctionLoad(Model):
             "pull": pull,
             "lateral_load": aside,
             "needed_force": most,
+            "required_force": self.safety * most,
             "peel_force": peel,
             "safety_figure": total / most if most > 0.0 else float("inf"),
             "holds": total >= self.safety * most,
@@ -126,7 +128,8 @@ class FrictionGrip(Model):
     }  # fmt: skip
     gives: ClassVar[tuple[Result, ...]] = (
         Result("tangential_load", "force", "across the fingers", ("load", "shear_load")),
-        Result("needed_force", "force", "of each finger", ("required_force", "force_needed")),
+        Result("needed_force", "force", "of each finger that just holds this load", ("force_needed",)),
+        Result("required_force", "force", "that, times `safety`", ("required_grip_force", "required_force_per_finger")),
         Result("friction_capacity", "force", "load that friction holds", ("capacity", "max_load")),
         Result("safety_figure", "", "force over the force needed", ("safety_factor", "actual_safety")),
         Result("holds", "", "whether that is at least `safety`"),
@@ -147,7 +150,11 @@ class FrictionGrip(Model):
     def compute(self) -> dict[str, Value]:
         load = self.mass * norm(np.array([self.g + self.acceleration, self.lateral_acceleration]))
         needed = self._needed(self.mass)
-        found: dict[str, Value] = {"tangential_load": load, "needed_force": self.safety * needed}
+        found: dict[str, Value] = {
+            "tangential_load": load,
+            "needed_force": needed,
+            "required_force": self.safety * needed,
+        }
         if self.force is None:
             return found
         capacity = greatest_friction_load(self.force, self.friction, self.fingers)

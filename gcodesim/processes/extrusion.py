@@ -59,6 +59,7 @@ class Extrusion(Process):
         Column("unsupported", "m", "sum", RESULTS, "laid where nothing is below"),
         Column("laid_length", "m", "sum", RESULTS, "way on which a bead was laid"),
         Column("meant", "m^3", "sum", RESULTS, "volume of beads of the width and height that are named"),
+        Column("crowded_out", "m^3", "sum", RESULTS, "of that, of beads of the tool's own size that met material"),
         Column("built", "m", "greatest", FINDINGS, "height of the beads of a paste on the first of them"),
     )
 
@@ -110,9 +111,12 @@ class Extrusion(Process):
             width, height = self.extruder.bead_width, self.extruder.bead_height
             found = stock.add_bead(start, end, width, height)
             hanging = length * (1.0 - carried(stock, start, end, width, height))
+            beside = np.where(_off_grid(stock, start, end), found.nominal, 0.0)
             columns |= {
                 "added": sums_by_step(step, found.volume, n),
-                "beside": sums_by_step(step, np.where(_off_grid(stock, start, end), found.nominal, 0.0), n),
+                "beside": sums_by_step(step, beside, n),
+                "meant": nominal,
+                "crowded_out": sums_by_step(step, found.nominal - found.volume - beside, n),
                 "unsupported": sums_by_step(step, hanging, n),
                 "laid_length": sums_by_step(step, length, n),
                 "built": self._built(end, step, n, state),

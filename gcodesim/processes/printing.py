@@ -35,6 +35,24 @@ NO_WAY: Final = 0.01 * MM
 OFF: Final = 0.2
 """Share by which flow may miss the bead; slicers stay within some per cent."""
 
+_BESIDE: Final = (
+    "GS522",
+    "beside",
+    "lies beside the stock, where it is not kept",
+    "make the stock, which is the bed, as large as the print",
+)
+_SWOLLEN: Final = (
+    "GS523",
+    "swollen",
+    "found no room below the nozzle and swells up beside it",
+    "look for layers that are too thin, a wrong `filament_diameter`, or paths that lie on each other",
+)
+_CROWDED: Final = (
+    "GS523",
+    "crowded_out",
+    "found no room: material is there already, and beads of the tool's own size are not pushed aside",
+    "look for layers that are too thin, or paths on each other; give the tool a `flow` to see where it goes",
+)
 _WORTH: Final = 0.02  # share of all that was extruded from which on a loss or swelling is worth a finding
 _BLOBS: Final = 0.005  # the same of what comes out while the nozzle stands: within it volume counts as conserved
 
@@ -42,34 +60,30 @@ _BLOBS: Final = 0.005  # the same of what comes out while the nozzle stands: wit
 def printing_findings(rows: Rows) -> Iterator[Diagnostic]:
     """GS519 to GS524 from the columns that `Extrusion` writes; of beads without known volumes only where they lie."""
     volume = rows["extruded"]
+    fixed = np.where(volume > 0.0, 0.0, rows["meant"])
     yield from _in_the_air(rows)
-    if not volume.any():
-        yield from _out_of_place(rows, rows["added"] + rows["beside"])
-        return
-    yield from _off_size(rows, volume - rows["blobs"] - rows["fallen"])
-    yield from _blobs(rows, float(volume.sum()))
-    yield from _out_of_place(rows, volume)
+    if volume.any():
+        yield from _off_size(rows, volume - rows["blobs"] - rows["fallen"], rows["meant"] - fixed)
+        yield from _blobs(rows, float(volume.sum()))
+    yield from _out_of_place(rows, volume + fixed, _BESIDE)
+    yield from _out_of_place(rows, volume, _SWOLLEN)
+    yield from _out_of_place(rows, fixed, _CROWDED)
 
 
-def _out_of_place(rows: Rows, volume: Array) -> Iterator[Diagnostic]:
+def _out_of_place(rows: Rows, volume: Array, kind: tuple[str, str, str, str]) -> Iterator[Diagnostic]:
     """GS522 and GS523: of what is laid, what lies beside the stock or finds no room."""
     total, laying = float(volume.sum()), _laying(volume)
-    for code, name, what, hint in (
-        ("GS522", "beside", "lies beside the stock, where it is not kept", "make the stock, which is the bed, as large "
-         "as the print"),
-        ("GS523", "swollen", "found no room below the nozzle and swells up beside it", "look for layers that are too "
-         "thin, a wrong `filament_diameter`, or paths that lie on each other"),
-    ):  # fmt: skip
-        lost = rows[name]
-        if float(lost.sum()) > _WORTH * total:
-            blamed = laying[lost[laying] > 0.0]
-            yield rows.told(
-                blamed if len(blamed) else np.flatnonzero(lost > 0.0),
-                code,
-                f"{lost.sum() / MM3:.1f} of {total / MM3:.1f} mm³ {what}",
-                hint,
-                (float(lost.sum()) / MM3, _WORTH * total / MM3, "mm³"),
-            )
+    code, name, what, hint = kind
+    lost = rows[name]
+    if float(lost.sum()) > _WORTH * total:
+        blamed = laying[lost[laying] > 0.0]
+        yield rows.told(
+            blamed if len(blamed) else np.flatnonzero(lost > 0.0),
+            code,
+            f"{lost.sum() / MM3:.1f} of {total / MM3:.1f} mm³ {what}",
+            hint,
+            (float(lost.sum()) / MM3, _WORTH * total / MM3, "mm³"),
+        )
 
 
 def _blobs(rows: Rows, total: float) -> Iterator[Diagnostic]:
@@ -137,11 +151,10 @@ def _joined(rows: Rows, one: int, next_one: int) -> bool:
     return bool(rows.time[next_one] - rows.time[one + 1] < SHORT)
 
 
-def _off_size(rows: Rows, volume: Array) -> Iterator[Diagnostic]:
+def _off_size(rows: Rows, volume: Array, asked: Array) -> Iterator[Diagnostic]:
     """Flow that is much more or less than the bead's size asks for."""
-    asked = rows["meant"]
     rated = _laying(rows["laid_length"])
-    rated = rated[rows["laid_length"][rated] > NO_WAY]
+    rated = rated[(rows["laid_length"][rated] > NO_WAY) & (asked[rated] > 0.0)]
     off = rated[np.abs(volume[rated] - asked[rated]) > OFF * asked[rated]]
     if not len(off):
         return

@@ -189,8 +189,9 @@ CODES: tuple[Code, ...] = (
         code="GS523",
         severity=Severity.WARNING,
         title="No room below the nozzle",
-        what="More material came out than fits under the nozzle and beside its bead.",
-        why="It swells up beside the nozzle, which then runs into it.",
+        what="More material came out than fits under the nozzle and beside its bead; or a bead of the tool's own size "
+        "met material that was there already.",
+        why="It swells up beside the nozzle, which then runs into it; beads of fixed size lose that part.",
         remedy="Check the flow, `filament_diameter`, the height of layers and paths that lie on each other.",
     ),
     Code(
