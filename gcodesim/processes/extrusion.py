@@ -111,12 +111,13 @@ class Extrusion(Process):
             width, height = self.extruder.bead_width, self.extruder.bead_height
             found = stock.add_bead(start, end, width, height)
             hanging = length * (1.0 - carried(stock, start, end, width, height))
-            beside = np.where(_off_grid(stock, start, end), found.nominal, 0.0)
+            missing = found.nominal - found.volume
+            beside = np.where(_off_grid(stock, start, end, width), missing, 0.0)
             columns |= {
                 "added": sums_by_step(step, found.volume, n),
                 "beside": sums_by_step(step, beside, n),
                 "meant": nominal,
-                "crowded_out": sums_by_step(step, found.nominal - found.volume - beside, n),
+                "crowded_out": sums_by_step(step, missing - beside, n),
                 "unsupported": sums_by_step(step, hanging, n),
                 "laid_length": sums_by_step(step, length, n),
                 "built": self._built(end, step, n, state),
@@ -218,9 +219,9 @@ class Extrusion(Process):
         yield from paste_findings(rows)
 
 
-def _off_grid(stock: Stock, starts: Array, ends: Array) -> NDArray[np.bool_]:
-    """Whether the middle (c,) of each piece of a bead lies beside the columns of the stock."""
+def _off_grid(stock: Stock, starts: Array, ends: Array, width: float) -> NDArray[np.bool_]:
+    """Whether a bead of `width` [m] hangs over the border of the columns, in the middle (c,) of each piece."""
     middle = 0.5 * (starts + ends)[:, :2]
     low, high = stock.bounds
-    off: NDArray[np.bool_] = np.any((middle < low[:2]) | (middle > high[:2]), axis=1)
+    off: NDArray[np.bool_] = np.any((middle - 0.5 * width < low[:2]) | (middle + 0.5 * width > high[:2]), axis=1)
     return off

@@ -60,7 +60,7 @@ USES = {
     "fingers grip nothing": (at(4, "G0 Z90\nM12\nG4 P1\nM13"), [("GS561", 5)]),
     "cups grip nothing": (at(5, "G0 Z90\nM12\nG4 P1\nM13"), [("GS561", 5)]),
     "a bead in the air": (at(2, PASS.format(z=30)), [("GS520", 6)]),
-    "a bead in the air over the edge": (at(2, "G0 X5 Y0 Z30\nM10\nG1 X55 F600\nM11"), [("GS520", 6)]),
+    "a bead in the air over the edge": (at(2, "G0 X5 Y0 Z30\nM10\nG1 X55 F600\nM11"), [("GS520", 6), ("GS522", 6)]),
     "a pump that lays in the air": (at(3, "G0 X5 Y20 Z30\nM10\nG4 P1\nM11\nG0 Z40"), [("GS519", 6)]),
     "a bead beside the bed": (at(2, "G0 X-90 Y20 Z3\nM10\nG1 X-60 F600\nM11"), [("GS522", 6)]),
     "a pump beside the bed": (at(3, "G0 X-90 Y20 Z3\nM10\nG1 X-60 F600\nM11"), [("GS522", 6)]),
