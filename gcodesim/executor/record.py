@@ -19,7 +19,6 @@ from gcodesim.processes.gripping import GripEvent
 
 if TYPE_CHECKING:
     from gcodesim.processes.sheet import Sheet
-    from gcodesim.processes.window import ProcessStep
     from gcodesim.world import WorldSteps
 
 
@@ -100,8 +99,11 @@ def record_of(
         wrench[here] += stint.wrench
         deflection[here] += deflection_of(stint)
         for column in sheet.columns:
-            if column.name in answer.columns:
-                _put_in(columns[column.name], column, answer, here)
+            values = answer.columns.get(column.name)
+            if values is None and column.steady:
+                values = _steady(column, stint)
+            if values is not None:
+                _put_in(columns[column.name], column, values, here)
         kind[here] = np.where(answer["engaged"], sheet.kinds.index(stint.task.process.kind), kind[here])
     columns[FORCE.name] = norms(wrench[:, :3])
     grips = tuple(
@@ -131,9 +133,14 @@ def _blank(column: Column, n: int, standing: Mapping[str, float]) -> NDArray[Any
     return np.zeros(n, dtype=bool if column.of == "any" else float)
 
 
-def _put_in(into: NDArray[Any], column: Column, answer: ProcessStep, here: slice) -> None:
+def _steady(column: Column, stint: Stint) -> NDArray[Any] | None:
+    """What a process that says nothing of this column says by the one that the column names."""
+    assert stint.answer is not None and stint.wrench is not None
+    return norms(stint.wrench[:, :3]) if column.steady == FORCE.name else stint.answer.columns.get(column.steady)
+
+
+def _put_in(into: NDArray[Any], column: Column, values: NDArray[Any], here: slice) -> None:
     """Combine the values of one process in the steps `here` with those of others."""
-    values = answer.columns[column.name]
     if column.of == "any":
         into[here] |= values
     elif column.of == "last":

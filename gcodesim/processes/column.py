@@ -87,6 +87,9 @@ class Column:
     `together` says how values of several processes, or of one process in several stocks, become one value in the same
     step: by default as `of` says. A torque, the `greatest` of many steps but the sum over two stocks, says
     `together="sum"`. Of two `last` values the later one counts.
+
+    A process that leaves a column out says zero; where the column names another one as `steady`, it says that one: a
+    force that does not swing within a step is its own peak.
     """
 
     name: str
@@ -95,6 +98,7 @@ class Column:
     shown_in: Shown = LOG | LINES | RESULTS
     says: str = ""
     together: Together = ""
+    steady: str = ""
 
     def __post_init__(self) -> None:
         if _NAME.fullmatch(self.name) is None:

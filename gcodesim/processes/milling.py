@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from gcodesim.arithmetic.elementary import cos_sin, tan
 from gcodesim.arithmetic.matrices import dots
 from gcodesim.frozen import frozen
-from gcodesim.processes.column import ENGAGED, FINDINGS, LOG, POWER, REMOVED, RESULTS, TORQUE, Column, Shown
+from gcodesim.processes.column import ENGAGED, FINDINGS, FORCE, LOG, POWER, REMOVED, RESULTS, TORQUE, Column, Shown
 from gcodesim.processes.cutter_load import LOAD_COLUMNS, CutterLoad, load_findings, tool_compliance
 from gcodesim.processes.laws import Law
 from gcodesim.processes.leaning import Leaning, cut_in_three, cut_leaning, felt_in, part_of
@@ -83,8 +83,8 @@ class Milling(Process):
         ENGAGED,
         TORQUE,
         POWER,
-        Column("peak_force", "N", "greatest", LOG | RESULTS, "within a revolution", "sum"),
-        Column("peak_torque", "N·m", "greatest", LOG | RESULTS, "within a revolution", "sum"),
+        Column("peak_force", "N", "greatest", LOG | RESULTS, "within a revolution", "sum", steady=FORCE.name),
+        Column("peak_torque", "N·m", "greatest", LOG | RESULTS, "within a revolution", "sum", steady=TORQUE.name),
         Column("axial_depth", "m", "greatest", LOG, "of the cut; 0 where nothing is cut, like what follows"),
         Column("radial_width", "m", "greatest", LOG, "of the cut"),
         Column("chip_thickness", "m", "greatest", LOG, "the greatest of a revolution"),

@@ -104,7 +104,8 @@ class ProcessStep:
     """What a process did in each of n steps; vectors in axes of S.
 
     wrench (n, 6): mean force [N] and torque [N·m] on the tool, about the displaced tip; deflection (n, 3) [m] of the
-    tip; `columns` (n,) by name, those that the process declares in `writes`. A column that is left out is zero.
+    tip; `columns` (n,) by name, those that the process declares in `writes`. A column that is left out is zero, or what
+    its `steady` says.
     `changes` is what has to change in the rest of the cell, such as a part that is held from now on.
     """
 

@@ -86,6 +86,16 @@ def test_what_was_turned_keeps_its_volume() -> None:
     assert ran.results.stocks["stock"].turned.profiles[0][:, 1].max() == pytest.approx(0.02)
 
 
+def test_a_turning_cut_is_steady_so_its_peak_is_its_force() -> None:
+    material = ", material: al6082_t6"
+    ran = run("T1 M6 G43\nG97 S1000 M3\nG95 F0.2\nG0 X18.5 Z2\nG1 Z-5\nG0 X30\nM5\nM2\n", material)
+
+    turned = {tool["number"]: tool for tool in ran.results.as_json()["tools"]}[1]
+    assert turned["max_force_N"] > 100.0
+    assert turned["max_peak_force_N"] == turned["max_force_N"]
+    assert turned["max_peak_torque_Nm"] == turned["max_torque_Nm"] > 1.0
+
+
 def test_a_part_is_parted_off_with_its_hole() -> None:
     hole = "T2 M6 G43\nS3000 M3\nG0 X30 Z-10\nG1 X-25 F300\nG0 X30\n"
     part = "T5 M6 G43\nG97 S800 M3\nG0 X22 Z-23\nG1 X-0.1 F100\nG0 X30\nM5\nM2\n"

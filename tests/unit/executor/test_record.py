@@ -19,7 +19,9 @@ from gcodesim.processes.window import ProcessState, ProcessStep
 SUM, TOP = Column("dust", "m^3"), Column("depth", "m", of="greatest")
 FLAG, LAST = Column("hot", of="any"), Column("film", "m", of="last")
 TWICE = Column("torque_like", "N·m", of="greatest", together="sum")
-SHEET = Sheet(kinds=("", "one", "two"), columns=(*HOUSE, SUM, TOP, FLAG, LAST, TWICE))
+PEAK = Column("peak_force", "N", of="greatest", together="sum", steady="force")
+PEAK_TORQUE = Column("peak_torque", "N·m", of="greatest", together="sum", steady="torque")
+SHEET = Sheet(kinds=("", "one", "two"), columns=(*HOUSE, SUM, TOP, FLAG, LAST, TWICE, PEAK, PEAK_TORQUE))
 
 
 def window(rows: list[int]) -> Any:
@@ -74,6 +76,17 @@ def test_columns_of_one_step_become_one_as_they_declare() -> None:
     assert both["depth"].tolist() == [0.0, 3.0, 2.0, 2.0]
     assert both["hot"].tolist() == [False, True, False, True]
     assert both["torque_like"].tolist() == [0.0, 1.0, 2.0, 4.0]
+
+
+def test_what_pushes_without_a_word_of_peaks_pushes_steadily() -> None:
+    push = np.array([3.0, 0.0, 4.0, 0.0, 0.0, 0.0])
+    mill = stint(0, wrench=push, torque=[1.0, 1.0], peak_force=[7.0, 8.0], peak_torque=[2.0, 2.0])
+    turned = stint(1, "two", wrench=push, torque=[0.5, 0.5])
+    both = record([0, 0, 0], mill, turned)
+
+    assert both["force"].tolist() == [5.0, 10.0, 5.0]
+    assert both["peak_force"].tolist() == [7.0, 13.0, 5.0]
+    assert both["peak_torque"].tolist() == [2.0, 2.5, 0.5]
 
 
 def test_the_last_value_stands_until_another_one_is_said() -> None:
