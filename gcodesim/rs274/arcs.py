@@ -44,7 +44,19 @@ def arc(words: Words, control: Control, code: int) -> None:
     shape = arc_of(words, control, control.state.current, end, code)
     if control.state.feed_mode == 930:
         resolve_inverse_time(words, control, helix_length(control, control.state.current, end, shape))
-    emit_arc(control, end, shape, who)
+    if control.dialect.dots_are_lines and _is_dot(control, shape):
+        message = f"{who} has no radius: {control.dialect.name} goes straight to its end"
+        control.warn("GS112", message, "write G1, or correct the centre")
+        control.line(end, who)
+    else:
+        emit_arc(control, end, shape, who)
+
+
+def _is_dot(control: Control, shape: Arc) -> bool:
+    """Whether the centre lies on the start point."""
+    first, second, _ = PLANE_AXES[control.state.plane]
+    start = control.state.current
+    return math.dist((start[first], start[second]), shape.centre) * control.state.unit < _SMALLEST_RADIUS
 
 
 def arc_of(words: Words, control: Control, start: Vector, end: Vector, code: int) -> Arc:
@@ -126,14 +138,15 @@ def _check_radii(
     unit = control.state.unit
     at_start, at_end = math.dist(start, centre) * unit, math.dist(end, centre) * unit
     at = next((letter for letter in "ijk" if letter in words.values), None)
-    if at_start < _SMALLEST_RADIUS or at_end < _SMALLEST_RADIUS:
-        which = "start" if at_start < _SMALLEST_RADIUS else "end"
-        raise Fault("GS112", f"{who} has no radius: the centre lies on the {which} point", at=at)
     if control.dialect.arc_miss is None:
         always = (_ALWAYS_INCH * INCH) if unit == INCH else _ALWAYS_MM * MM
         most, radius = always * _NEVER_FACTOR, max(at_start, at_end)
     else:
         always, most, radius = *(MM * miss for miss in control.dialect.arc_miss), at_start
+    dot = control.dialect.dots_are_lines and at_start < _SMALLEST_RADIUS and at_end <= always
+    if not dot and min(at_start, at_end) < _SMALLEST_RADIUS:
+        which = "start" if at_start < _SMALLEST_RADIUS else "end"
+        raise Fault("GS112", f"{who} has no radius: the centre lies on the {which} point", at=at)
     miss = abs(at_start - at_end)
     allowed = min(max(always, _RELATIVE_MISS * radius), most)
     if miss > allowed:

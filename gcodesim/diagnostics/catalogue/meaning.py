@@ -106,7 +106,7 @@ CODES: tuple[Code, ...] = (
         severity=Severity.ERROR,
         title="Arc without a fitting radius",
         what="The radius is zero, or too small to reach the end point.",
-        why="There is no such arc.",
+        why="There is no such arc. Grbl goes straight to the end where that is the start, too (a warning).",
         remedy="Correct R or the end point.",
     ),
     Code(

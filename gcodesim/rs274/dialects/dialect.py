@@ -65,7 +65,8 @@ class Dialect:
     fault. `arcs_name_axes` says that an arc names an axis of its plane even
     where it is a full circle, and `arc_miss` how far [mm] its end may be off its
     circle: the first passes always, the second is the most that 0.1 % of the
-    radius may allow; None for RS274's. `g53_under_g91` says that G53 is absolute
+    radius may allow; None for RS274's. `dots_are_lines` says that an arc around its own
+    start point is a straight line to its end. `g53_under_g91` says that G53 is absolute
     whatever the distance mode, where RS274 refuses it. `first_motion` is the motion in force at the start, -1 for none.
     `executor` names the class (`module:Class`) that runs programs of a control
     whose blocks mean something else than those of RS274. `statements`: GOTO, IF
@@ -96,6 +97,7 @@ class Dialect:
     passes_over_far_centres: bool = False
     arcs_name_axes: bool = False
     arc_miss: tuple[float, float] | None = None
+    dots_are_lines: bool = False
     g53_under_g91: bool = False
     needs_end: bool = True
     flow_words: bool = True

@@ -39,6 +39,7 @@ GRBL = Dialect(
     passes_over_far_centres=True,
     arcs_name_axes=True,
     arc_miss=(0.005, 0.5),
+    dots_are_lines=True,  # `mc_arc` finds no segment in them, and ends with the line to the target
     g53_under_g91=True,
     first_motion=0,
     executor="gcodesim.rs274.grbl:GrblExecutor",

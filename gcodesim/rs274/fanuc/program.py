@@ -37,25 +37,32 @@ def sequence_of(text: str) -> int | None:
     return None if match is None else int(match[1])
 
 
-def slash_inside(text: str) -> int | None:
-    """Where a slash stands in a block of words behind its head, outside brackets and comments."""
+def slashes_inside(text: str) -> list[tuple[int, int]]:
+    """Where slashes with their digits stand in a block of words behind its head, outside brackets and comments."""
     head = _HEAD.match(text)
-    depth, found = 0, None
+    depth, found = 0, []
     at = head.end() if head else 0
     while at < len(text):
         char = text[at]
         if char in "=;":
-            return None if char == "=" else found  # in a setting it divides
+            return [] if char == "=" else found  # in a setting it divides
         if char == "(":
             at = text.find(")", at)
             if at < 0:
                 return found
         elif char in "[]":
             depth += 1 if char == "[" else -1
-        elif char == "/" and depth == 0 and found is None:
-            found = at
+        elif char == "/" and depth == 0:
+            found.append((at, at + 1 + text[at + 1 : at + 2].isdigit()))
         at += 1
     return found
+
+
+def _without(text: str, places: list[tuple[int, int]]) -> str:
+    """The line with blanks at these places."""
+    for begin, end in places:
+        text = text[:begin] + " " * (end - begin) + text[end:]
+    return text
 
 
 class FanucProgram(NamedTuple):
@@ -104,22 +111,19 @@ class FanucFile(ProgramFile):
             return named
         if _EXTERNAL.search(text) is not None and (found := statement(index + 1, text)) is not None:
             return found
-        if "/" in text and (slash := slash_inside(text)) is not None:
-            width = 1 + text[slash + 1 : slash + 2].isdigit()
-            text = text[:slash] + " " * width + text[slash + width :]
-            return replace(self._reader.read(index + 1, text), slash=slash)
+        if "/" in text and (slashes := slashes_inside(text)):
+            return replace(self._reader.read(index + 1, _without(text, slashes)), slash=slashes[0][0])
         return super().block(index)
 
     def tokens(self, index: int) -> list[Token]:
         text = self.lines[index]
         if self._is_as_written(index):
             return [Token(VERBATIM, text, (0, len(text)))]
-        if "/" not in text or (slash := slash_inside(text)) is None:
+        if "/" not in text or not (slashes := slashes_inside(text)):
             return super().tokens(index)
-        width = 1 + text[slash + 1 : slash + 2].isdigit()
-        around = tokens_of(text[:slash] + " " * width + text[slash + width :], self._reader.dialect)
-        skip = Token("SKIP", text[slash : slash + width], (slash, slash + width))
-        return sorted([*around, skip], key=lambda token: token.place)
+        around = tokens_of(_without(text, slashes), self._reader.dialect)
+        skips = [Token("SKIP", text[slice(*place)], place) for place in slashes]
+        return sorted([*around, *skips], key=lambda token: token.place)
 
     def meaning(self, index: int) -> object:
         if self._is_as_written(index):

@@ -626,6 +626,16 @@ def test_a_slash_inside_a_block_ends_it_where_the_switch_is_on(fanuc):
     assert [(f.code, f.span.line, f.span.column) for f in done.findings] == [("GS194", 3, 8)]
 
 
+def test_a_block_may_have_several_slashes(fanuc):
+    """The first of them that is switched on ends the block; all switches are one here."""
+    text = body("/2 G0 X1. /2 Y2.", "/1/3 N10 Z1.", "G0 X2. /2 Y5. / Z[6./2.]/3 (a / b)", "M30")
+
+    assert fanuc(text, block_delete=True).ends == [[2, 0, 0]]
+    done = fanuc(text)
+    assert done.ends == [[1, 2, 0], [1, 2, 1], [2, 5, 3]]
+    assert [(f.code, f.span.line, f.span.column, f.count) for f in done.findings] == [("GS194", 3, 11, 2)]
+
+
 def test_a_goto_without_a_target_names_the_program_it_looks_in(fanuc):
     done = fanuc(body("N1 IF[1EQ1]GOTO 9", "M30"))
     assert [(f.code, f.span.line, f.message) for f in done.errors] == [("GS130", 3, "there is no block N9 in O0001")]

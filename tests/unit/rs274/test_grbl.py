@@ -2,6 +2,8 @@
 
 import pytest
 
+from gcodesim.diagnostics import Severity
+
 
 @pytest.fixture
 def grbl(program):
@@ -116,6 +118,22 @@ def test_an_arc_may_end_five_micrometres_off_its_circle(grbl):
     assert not grbl("G1 X10 F100\nG2 X-10.004 I-10\n").errors
     assert [f.code for f in grbl("G1 X1 F100\nG2 X-1.006 I-1\n").errors] == ["GS111"]
     assert not grbl("G1 X10 F100\nG2 X-10.009 I-10\n").errors  # within 0.1 % of the radius
+
+
+@pytest.mark.parametrize(
+    ("line", "end"),
+    [("G3 X1 I0 J0", (1.0, 0.0, 0.0)), ("G2 X1.004 Z-2 I0", (1.004, 0.0, -2.0)), ("G3 X1.004 I.001", (1.004, 0.0, 0.0))],
+)
+def test_an_arc_around_its_own_start_is_a_straight_line(grbl, line, end):
+    """`mc_arc` of Grbl 1.1h finds no segment in a circle without radius, and ends with the line to the target."""
+    done = grbl(f"G1 X1 F100\n{line}\n")
+
+    assert [(f.code, f.severity, f.span.line) for f in done.findings] == [("GS112", Severity.WARNING, 2)]
+    assert done.ends == [[1, 0, 0], pytest.approx(end)]
+
+
+def test_an_arc_that_ends_beside_a_centre_at_its_start_is_refused(grbl):
+    assert [f.code for f in grbl("G1 X1 F100\nG2 X1.006 I0\n").errors] == ["GS112"]
 
 
 @pytest.mark.parametrize(("line", "code"), [("G4 P-2", "GS106"), ("G10 L2 P1", "GS103")])
