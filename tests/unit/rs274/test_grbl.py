@@ -122,7 +122,7 @@ def test_an_arc_may_end_five_micrometres_off_its_circle(grbl):
 
 @pytest.mark.parametrize(
     ("line", "end"),
-    [("G3 X1 I0 J0", (1.0, 0.0, 0.0)), ("G2 X1.004 Z-2 I0", (1.004, 0.0, -2.0)), ("G3 X1.004 I.001", (1.004, 0.0, 0.0))],
+    [("G3 X1 I0 J0", (1, 0, 0)), ("G2 X1.004 Z-2 I0", (1.004, 0, -2)), ("G3 X1.004 I.001", (1.004, 0, 0))],
 )
 def test_an_arc_around_its_own_start_is_a_straight_line(grbl, line, end):
     """`mc_arc` of Grbl 1.1h finds no segment in a circle without radius, and ends with the line to the target."""
