@@ -40,7 +40,8 @@ def sequence_of(text: str) -> int | None:
 def slashes_inside(text: str) -> list[tuple[int, int]]:
     """Where slashes with their digits stand in a block of words behind its head, outside brackets and comments."""
     head = _HEAD.match(text)
-    depth, found = 0, []
+    depth = 0
+    found: list[tuple[int, int]] = []
     at = head.end() if head else 0
     while at < len(text):
         char = text[at]
