@@ -26,7 +26,7 @@ from gcodesim.scale.interrupts import interrupts_wait
 from gcodesim.scale.worker import UNFIT, Work, carried, hello, work
 
 if TYPE_CHECKING:
-    from distributed import Client, Future, Security
+    from distributed import Client, Future, LocalCluster, Security
 
 _AHEAD: Final = 3  # tasks a thread of a worker has waiting, so that it is never idle
 _LEAST_AHEAD: Final = 16
@@ -39,6 +39,13 @@ ABANDONED_S: float = 60.0
 _WAIT_FOR_SCHEDULER_S: Final = 30.0  # it may have much to do
 _ARRIVE_S: Final = 2.0  # what results that are on their way get when nobody wants them any more
 _LOGGERS: Final = ("distributed", "tornado", "bokeh", "asyncio")  # of the engine, with all below them
+_NOTHING_KEPT: Final = {  # for developers of the engine: the last thousand messages, with what they carried, and more
+    "distributed.admin.log-length": 0,
+    "distributed.admin.low-level-log-length": 0,
+    "distributed.admin.system-monitor.log-length": 1,
+    "distributed.diagnostics.computations.max-history": 1,
+    "distributed.diagnostics.erred-tasks.max-history": 1,
+}
 
 
 class NoWorkersError(Exception):
@@ -63,13 +70,13 @@ def local_crew(jobs: int, tell: Callable[[str], None] = print) -> Iterator[Crew]
     """`jobs` processes on this machine, which end with this one. They talk by TLS with keys made for them alone."""
     require_extra("scale", "work in several processes")
     import dask
-    from distributed import Client, LocalCluster, Security
+    from distributed import LocalCluster, Security
 
     _be_quiet()
     secret = Security.temporary()
     settings = {
+        **_NOTHING_KEPT,
         "distributed.scheduler.worker-saturation": float(_AHEAD),
-        "distributed.admin.log-length": 0,
         "distributed.scheduler.http.routes": [],  # nobody is told of the tasks without TLS
     }
     with ExitStack() as stack:
@@ -88,7 +95,7 @@ def local_crew(jobs: int, tell: Callable[[str], None] = print) -> Iterator[Crew]
                     silence_logs=logging.CRITICAL,
                 )
             )
-            client = stack.enter_context(Client(cluster, security=secret, set_as_default=False))
+            client = stack.enter_context(_client_of(cluster, secret))
         yield Crew(client, tell)
 
 
@@ -96,6 +103,7 @@ def local_crew(jobs: int, tell: Callable[[str], None] = print) -> Iterator[Crew]
 def crew_at(address: str, keys: Keys | None = None, tell: Callable[[str], None] = print) -> Iterator[Crew]:
     """The workers of the scheduler at `address`. NoWorkersError if it cannot be reached or has none that may work."""
     require_extra("scale", "work on a scheduler")
+    import dask
     from distributed import Security
 
     _be_quiet()
@@ -107,25 +115,28 @@ def crew_at(address: str, keys: Keys | None = None, tell: Callable[[str], None] 
             tls_client_key=str(keys.key),
             require_encryption=True,
         )
-    try:
-        client = _client_at(address, secret)
-    except (OSError, ValueError, TypeError, RuntimeError) as error:
-        raise NoWorkersError(f"the scheduler at {address} cannot be reached: {error}") from None
-    try:
-        yield Crew(client, tell)
-    finally:
-        with suppress(Exception):  # it may be gone
-            client.close(timeout=2)
+    with dask.config.set(_NOTHING_KEPT):
+        try:
+            client = _client_of(address, secret)
+        except (OSError, ValueError, TypeError, RuntimeError) as error:
+            raise NoWorkersError(f"the scheduler at {address} cannot be reached: {error}") from None
+        try:
+            yield Crew(client, tell)
+        finally:
+            with suppress(Exception):  # it may be gone
+                client.close(timeout=2)
 
 
-def _client_at(address: str, secret: Security | None) -> Client:
-    """A client that is closed at once if it cannot connect.
+def _client_of(scheduler: str | LocalCluster, secret: Security | None) -> Client:
+    """A client that leaves nothing behind: neither when it cannot connect, nor of the tasks that it submits.
 
-    Otherwise it would be closed whenever it is collected: also while another opens, and each would wait for the other.
+    One that cannot connect would be closed whenever it is collected: also while another opens, and each would wait for
+    the other. And a scheduler keeps what each submission says of the collections behind it as long as tasks of the same
+    name go on; ours have none behind them.
     """
     from distributed import Client
 
-    class ClosedUnlessConnected(Client):  # type: ignore[misc]
+    class LeavesNothing(Client):  # type: ignore[misc]
         def start(self, **named: Any) -> None:
             try:
                 super().start(**named)
@@ -133,7 +144,20 @@ def _client_at(address: str, secret: Security | None) -> Client:
                 self.close(timeout=2)
                 raise
 
-    return ClosedUnlessConnected(address, security=secret, set_as_default=False, timeout=_WAIT_FOR_SCHEDULER_S)
+        def _graph_to_futures(self, *given: Any, **named: Any) -> Any:
+            if "span_metadata" in named:
+                named["span_metadata"] = {}
+            return super()._graph_to_futures(*given, **named)
+
+    return LeavesNothing(scheduler, security=secret, set_as_default=False, timeout=_WAIT_FOR_SCHEDULER_S)
+
+
+def _forget_names() -> None:
+    """Clear where the engine remembers 100,000 names of tasks, 40 MB of them; of ours none comes a second time."""
+    from dask.utils import key_split
+
+    with suppress(AttributeError):  # other versions may remember none
+        key_split.cache_clear()
 
 
 class Crew:
@@ -257,6 +281,7 @@ class Crew:
                 break
             time.sleep(0.1)
         self._looked = time.monotonic()
+        _forget_names()
         if self._threads:
             self._seen = self._looked
         if wait:

@@ -210,13 +210,17 @@ def test_ten_thousand_tasks_need_no_more_memory_than_one_thousand():
             kept.append(most)
         tracemalloc.stop()
 
-    assert kept[1] < 1.5 * kept[0] + 2e6
+    assert kept[1] < kept[0] + 0.5e6, kept
 
 
 def memory_in_use() -> int:
-    """Without what waits for the collector of garbage, which comes when it likes."""
+    """Without what waits for the collector of garbage, which comes when it likes.
+
+    Nor with pieces of a megabyte or more: Python's table of interned names is one of 2 MB, which is made anew at times,
+    and is counted from then on. Messages and tasks are small.
+    """
     gc.collect()
-    return tracemalloc.get_traced_memory()[0]
+    return sum(trace.size for trace in tracemalloc.take_snapshot().traces if trace.size < 1_000_000)
 
 
 def test_who_leaves_waits_for_results_that_are_on_their_way(standing: Cluster, monkeypatch: pytest.MonkeyPatch):
