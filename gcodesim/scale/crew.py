@@ -14,6 +14,7 @@ import warnings
 from collections.abc import Callable, Generator, Iterable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
+from threading import Timer
 from typing import TYPE_CHECKING, Any, Final
 
 from gcodesim.extras import require_extra
@@ -37,6 +38,7 @@ _WAIT_FOR_WORKERS_S: Final = 30.0
 ABANDONED_S: float = 60.0
 """How long tasks wait for a worker after all have left."""
 _WAIT_FOR_SCHEDULER_S: Final = 30.0  # it may have much to do
+_SAY_AFTER_S: Final = 3.0  # what is waited for
 _ARRIVE_S: Final = 2.0  # what results that are on their way get when nobody wants them any more
 _LOGGERS: Final = ("distributed", "tornado", "bokeh", "asyncio")  # of the engine, with all below them
 _NOTHING_KEPT: Final = {  # for developers of the engine: the last thousand messages, with what they carried, and more
@@ -117,7 +119,8 @@ def crew_at(address: str, keys: Keys | None = None, tell: Callable[[str], None] 
         )
     with dask.config.set(_NOTHING_KEPT):
         try:
-            client = _client_of(address, secret)
+            with _said_if_slow(tell, f"waiting up to {_WAIT_FOR_SCHEDULER_S:.0f} s for the scheduler at {address}"):
+                client = _client_of(address, secret)
         except (OSError, ValueError, TypeError, RuntimeError) as error:
             raise NoWorkersError(f"the scheduler at {address} cannot be reached: {error}") from None
         try:
@@ -152,6 +155,18 @@ def _client_of(scheduler: str | LocalCluster, secret: Security | None) -> Client
     return LeavesNothing(scheduler, security=secret, set_as_default=False, timeout=_WAIT_FOR_SCHEDULER_S)
 
 
+@contextmanager
+def _said_if_slow(tell: Callable[[str], None], text: str) -> Iterator[None]:
+    """Tell `text` when what is done meanwhile takes a while."""
+    timer = Timer(_SAY_AFTER_S, tell, [text])
+    timer.daemon = True
+    timer.start()
+    try:
+        yield
+    finally:
+        timer.cancel()
+
+
 def _forget_names() -> None:
     """Clear where the engine remembers 100,000 names of tasks, 40 MB of them; of ours none comes a second time."""
     from dask.utils import key_split
@@ -171,7 +186,8 @@ class Crew:
         self._parcels: dict[str, Future[bytes]] = {}
         self._looked = -math.inf
         self._seen = time.monotonic()  # when there was somebody to work
-        self._meet(wait=True)
+        with _said_if_slow(tell, f"waiting up to {_WAIT_FOR_WORKERS_S:.0f} s for workers to join the scheduler"):
+            self._meet(wait=True)
 
     @property
     def count(self) -> int:

@@ -293,3 +293,19 @@ def test_a_client_that_cannot_connect_is_closed_at_once(monkeypatch: pytest.Monk
         pass
 
     assert [client.status for client in begun] == ["closed"]
+
+
+def test_who_waits_for_a_scheduler_or_for_workers_says_so(cluster, monkeypatch: pytest.MonkeyPatch):
+    alone = cluster(workers=0)
+    monkeypatch.setattr("gcodesim.scale.crew._WAIT_FOR_SCHEDULER_S", 0.5)
+    monkeypatch.setattr("gcodesim.scale.crew._WAIT_FOR_WORKERS_S", 0.5)
+    monkeypatch.setattr("gcodesim.scale.crew._SAY_AFTER_S", 0.01)
+    told: list[str] = []
+
+    with pytest.raises(NoWorkersError, match="cannot be reached"), crew_at("tcp://127.0.0.1:9", tell=told.append):
+        pass
+    with pytest.raises(NoWorkersError, match="no worker has joined"), crew_at(alone.address, tell=told.append):
+        pass
+
+    assert "for the scheduler at tcp://127.0.0.1:9" in told[0]
+    assert any("for workers to join" in text for text in told)
