@@ -26,7 +26,7 @@ from gcodesim.cli.nearest import no_such
 from gcodesim.cli.options import is_auto, read_source
 from gcodesim.cli.output import note, print_count, print_findings, print_json, print_table
 from gcodesim.diagnostics import Severity, SourceText
-from gcodesim.diagnostics.plain import raw
+from gcodesim.diagnostics.plain import one_line, raw
 from gcodesim.files.output_folder import CELL_NAME, IN_USE, LOG_NAME, OVERWRITES, link_on_the_way, names_of
 from gcodesim.jobs.job import BULLET, Job, Options
 from gcodesim.jobs.results import Results
@@ -373,7 +373,7 @@ def print_run(
         return
     if stopped is not None:
         where = f"{stopped.file}:{stopped.line}" if stopped.line else stopped.file
-        print(f"stopped at {where}; what follows was not simulated")
+        print(f"stopped at {one_line(where)}; what follows was not simulated")
     print()
     print_table(summary_rows(results))
 

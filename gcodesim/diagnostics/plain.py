@@ -32,8 +32,21 @@ def lines(text: str) -> str:
     return _COMMAND.sub(_number, _UNFIT.sub(_number, text))
 
 
+def plain_tree(value: Any) -> Any:
+    """What JSON holds, with each text in it as `lines` shows it."""
+    if isinstance(value, str):
+        return value if value.isascii() and value.isprintable() and ":" not in value else lines(value)
+    if isinstance(value, dict):
+        return {plain_tree(key): plain_tree(one) for key, one in value.items()}
+    if isinstance(value, list | tuple):
+        return [plain_tree(one) for one in value]
+    return value
+
+
 def excerpt_of(text: str) -> str:
     """A line of a file, character by character, with a sign in place of each unfit character; tabs stay."""
+    if text.isprintable() and "##" not in text:
+        return text
     shown = "".join(c if c == "\t" or c.isprintable() else _UNKNOWN for c in text)
     return _UNFIT.sub(_UNKNOWN, shown) if "##" in shown else shown
 

@@ -14,6 +14,7 @@ from typing import Any, Final
 import numpy as np
 
 from gcodesim.arithmetic.distinct import distinct
+from gcodesim.diagnostics.plain import excerpt_of, one_line, plain_tree
 from gcodesim.diagnostics.show import as_json
 from gcodesim.frozen import frozen
 from gcodesim.log.event import settled
@@ -85,10 +86,10 @@ def write_page(
         content["compared"] = {"summary": compared[0], "differences": [asdict(one) for one in compared[1]]}
     if setups:
         content["setups"] = [asdict(one) for one in setups]
-    index = json.dumps(clean(content), ensure_ascii=False, allow_nan=False)
+    index = json.dumps(plain_tree(clean(content)), ensure_ascii=False, allow_nan=False)
     charts = chart_library()
     return _asset("page.html").format(
-        title=html.escape(heading),
+        title=html.escape(one_line(heading)),
         style=charts.style + _asset("page.css"),
         scene_library=_script(scene_library()),
         chart_library=_script(charts.script),
@@ -125,7 +126,10 @@ def run_data(recording: Recording, name: str, pack: Pack) -> dict[str, Any]:
         "complete": recording.log.complete,
         "end": int(ticks([end_of(recording)])[0]),
         "files": [
-            {"name": file, "text": pack.text("\n".join(sources[file].lines) if file in sources else "")}
+            {
+                "name": file,
+                "text": pack.text("\n".join(map(excerpt_of, sources[file].lines)) if file in sources else ""),
+            }
             for file in names
         ],
         "blocks": {

@@ -11,6 +11,7 @@ from importlib.resources import files
 from itertools import islice
 from typing import Final
 
+from gcodesim.diagnostics.plain import one_line, plain_tree
 from gcodesim.numbers import clean
 from gcodesim.sweep.measure import figure, heading_of
 from gcodesim.sweep.prepared import Prepared
@@ -49,9 +50,9 @@ def write_page(
         "links": {str(number): link for number, link in links.items()},
         "limits": [limit.text for limit in ready.study.fail],
     }
-    index = json.dumps(clean(content), ensure_ascii=False, allow_nan=False)
+    index = json.dumps(plain_tree(clean(content)), ensure_ascii=False, allow_nan=False)
     return _asset("page.html").format(
-        title=html.escape(ready.file.source.name),
+        title=html.escape(one_line(ready.file.source.name)),
         style=_asset("page.css"),
         index=base64.b64encode(zlib.compress(index.encode(), 9)).decode("ascii"),
         script=_asset("page.js"),

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import base64
 import csv
 import io
 import json
 import re
 import unicodedata
+import zlib
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -165,6 +167,31 @@ def test_what_is_written(folder: Path, monkeypatch: pytest.MonkeyPatch, tmp_path
     see(texts["junit"])
     for name in ("sarif", "gitlab"):
         json.loads(texts[name])
+
+
+def test_what_a_page_shows(folder: Path, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.chdir(folder)
+    assert main(["report", "out", "-o", str(tmp_path / "page.html")]) == 0
+    page = (tmp_path / "page.html").read_text()
+    title = re.findall("<title>(.*?)</title>", page, re.DOTALL)
+    packed = [re.findall(rf'id="{name}"[^>]*>([^<]*)<', page)[0] for name in ("index", "blob")]
+    index, blob = (zlib.decompress(base64.b64decode(text)) for text in packed)
+    content = json.loads(index)
+    see(title[0])
+    for text in texts_of(content):
+        assert not any(map(is_hidden, text.replace("\n", ""))), text
+    place = content["runs"][0]["files"][0]["text"]
+    listing = blob[place["at"] : place["at"] + place["bytes"]].decode()
+    assert "G1 X20 (::error::slot" in listing
+    assert not any(map(is_hidden, listing.replace("\n", "")))
+
+
+def texts_of(value: object) -> list[str]:
+    if isinstance(value, dict):
+        return [text for pair in value.items() for one in pair for text in texts_of(one)]
+    if isinstance(value, list):
+        return [text for one in value for text in texts_of(one)]
+    return [value] if isinstance(value, str) else []
 
 
 def test_no_cell_of_a_table_is_a_formula(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:

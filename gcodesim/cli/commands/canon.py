@@ -8,6 +8,7 @@ from typing import Any
 from gcodesim.cli.exits import FINDINGS, OK
 from gcodesim.cli.options import add_cell, add_format, add_language, add_parameter_output, add_program
 from gcodesim.diagnostics import Severity
+from gcodesim.diagnostics.plain import one_line
 
 
 def add_parser(commands: Any) -> None:
@@ -53,7 +54,8 @@ def run(arguments: argparse.Namespace) -> int:
     if run.failed:
         print_findings([run.failed], run.sources)
         span = run.failed.span
-        note(f"stopped at {span.file}:{span.line}" if span.line else f"stopped at the end of {span.file}")
+        file = one_line(span.file)
+        note(f"stopped at {file}:{span.line}" if span.line else f"stopped at the end of {file}")
         others -= 1
     if others > 0:
         note(f"{others} {'more ' if run.failed else ''}finding{'s' if others > 1 else ''}: `gcodesim lint` shows all")
