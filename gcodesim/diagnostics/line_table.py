@@ -60,8 +60,8 @@ class LineTable(Sequence[str]):
         wanted = np.zeros(256, dtype=bool)
         wanted[list(letters)] = True
         places = np.flatnonzero(wanted[self.data])
-        lines = np.unique(np.searchsorted(self.starts, places, side="right") - 1)
-        return [int(line) for line in lines[lines >= 0]]
+        lines = np.searchsorted(self.starts, places, side="right") - 1
+        return list(dict.fromkeys(lines[lines >= 0].tolist()))
 
 
 def _starts(data: NDArray[np.uint8], begin: int, *, has_cr: bool) -> NDArray[np.int64]:

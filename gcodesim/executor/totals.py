@@ -70,7 +70,10 @@ class RowTotals:
 
 @dataclass(slots=True, eq=False)
 class JointTotals:
-    """Extremes of each of j joints over the run, and the rows at which they came; SI."""
+    """Extremes of each of j joints over the run, and the rows at which they came; SI.
+
+    `told`: whether the world tells speeds and efforts; else these are zero.
+    """
 
     least: Array
     most: Array
@@ -82,9 +85,10 @@ class JointTotals:
     effort_row: RowNumbers
     saturated_row: RowNumbers = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
     saturated_ticks: RowNumbers = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
+    told: bool = True
 
     @staticmethod
-    def start(q: Array) -> JointTotals:
+    def start(q: Array, *, told: bool = True) -> JointTotals:
         """The state before the first step: the robot stands at `q` (j,)."""
         count = len(q)
         zero, none = np.zeros(count), np.full(count, -1, dtype=np.int64)
@@ -99,6 +103,7 @@ class JointTotals:
             effort_row=none.copy(),
             saturated_row=none.copy(),
             saturated_ticks=np.zeros(count, dtype=np.int64),
+            told=told,
         )
 
     def add(
@@ -120,6 +125,8 @@ class JointTotals:
         self.least_row[lower], self.most_row[higher] = rows[low][lower], rows[high][higher]
         self.least = np.where(lower, q[low, index], self.least)
         self.most = np.where(higher, q[high, index], self.most)
+        if not self.told:
+            return
         self.speed = np.maximum(self.speed, np.abs(qd).max(axis=0))
         self.acceleration = np.maximum(self.acceleration, np.abs(qdd).max(axis=0))
         top = np.abs(effort).argmax(axis=0)

@@ -119,7 +119,8 @@ class Execution:
 class TrackPlan:
     """What a channel brings to a run: its plan, its shop, who looks at its steps, and what it is about, if not all.
 
-    `bodies` looks at how near its machine comes to stocks.
+    `bodies` looks at how near its machine comes to stocks. `efforts`: whether anybody wants to know speeds and efforts
+    of joints.
     """
 
     plan: Plan
@@ -128,6 +129,7 @@ class TrackPlan:
     watcher: Watcher | None = None
     only: Only | None = None
     bodies: StockWatch | None = None
+    efforts: bool = True
 
 
 class Track:
@@ -156,14 +158,14 @@ class Track:
         self._totals = RowTotals.zeros(len(self.rows.tool), self._sheet)
         self._standing: dict[str, float] = {}
         self._home = plan.joints(plan.trajectory.sample(np.zeros(1)))[0]
-        self._joints = JointTotals.start(self._home)
         body = RobotBody(
             chain=shop.kinematics.chain,
             X_WB=shop.X_WB,
             stiffness=None if shop.stiffness is None else tuple(shop.stiffness.tolist()),
             controller=shop.mover.controller,
         )
-        self.world = open_world(world_name, body, dt_ns)
+        self.world = open_world(world_name, body, dt_ns, efforts=brought.efforts)
+        self._joints = JointTotals.start(self._home, told=self.world.tells_efforts)
         gears_move = body.controller.law != "ideal"
         self._coupling = Coupling(plan, shop, self.rows, parts, gears_move=gears_move, only=brought.only)
         self._guard = ProbeGuard(shop)
@@ -205,7 +207,7 @@ class Track:
         return first_carry(self.plan, self.rows, first * self._dt_ns)
 
     def window(self, ticks: Ints, carry: Carry) -> StepWindow:
-        return window_of(self.plan, self.rows, ticks, self._dt_ns, carry)
+        return window_of(self.plan, self.rows, ticks, self._dt_ns, carry, asked=self.world.tells_efforts)
 
     def run_world(self, window: StepWindow, begin: int, end: int, wrench: Array | None = None) -> WorldSteps:
         """Move through steps `begin` to `end`, in which the tool feels `wrench` (n, 6), base axes."""

@@ -69,8 +69,8 @@ def command_of(plan: Plan, ticks: Ints, dt_ns: int) -> AskedTicks:
 class StepWindow:
     """n steps: step k begins with tick `ticks[k]` of the clock and ends with tick `ticks[k + 1]`; `ticks` (n + 1,).
 
-    `dt` (n,) [s] is how long each of them is. `command` (None: every tick is a step) are the ticks at which the world
-    is asked, where it is not asked about all.
+    `dt` (n,) [s] is how long each of them is. `command` are the ticks at which the world is asked; None: at the end of
+    each step.
 
     `samples` at the ends of the steps; `row` (n,) is the path row in the middle
     of each, where the machine stands the next one; `rests` (n,) says where it
@@ -140,8 +140,10 @@ def first_carry(plan: Plan, rows: RowColumns, t_ns: int = 0) -> Carry:
     return Carry(tool=int(rows.tool[row[0]]), shift=shift, gap=gap, tip=tip, q=q[0])
 
 
-def window_of(plan: Plan, rows: RowColumns, ticks: Ints, dt_ns: int, carry: Carry) -> StepWindow:
+def window_of(plan: Plan, rows: RowColumns, ticks: Ints, dt_ns: int, carry: Carry, *, asked: bool = True) -> StepWindow:
     """Sample the steps between `ticks` (n + 1,) of `dt_ns` each; `carry` is brought to the end of the window.
+
+    `asked`: whether a world is asked about speeds, so that it has to be told single ticks.
 
     The plan's path is in base axes, so the control point needs no transform.
     """
@@ -196,7 +198,7 @@ def window_of(plan: Plan, rows: RowColumns, ticks: Ints, dt_ns: int, carry: Carr
         piece_share=share,
         piece_row=np.clip(trajectory.rows_at(centre), 0, last),
         piece_filament=trajectory.filament_between(at_knots),
-        command=None if ticks[-1] - ticks[0] == count else command_of(plan, ticks, dt_ns),
+        command=command_of(plan, ticks, dt_ns) if asked and ticks[-1] - ticks[0] != count else None,
     )
     carry.tool, carry.shift, carry.gap, carry.tip, carry.q = int(tool[-1]), shift[-1], gap[-1], tip[-1], q[-1]
     return window

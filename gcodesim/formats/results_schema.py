@@ -204,9 +204,9 @@ def _joint() -> Json:
         most=number("greatest position"),
         margin=nullable(number("least distance from a limit; null: unlimited")),
         line_of_margin=LINE,
-        max_speed=number("per s"),
-        max_acceleration=number("per s²"),
-        max_effort=number("N·m, or N of a linear axis"),
+        max_speed=nullable(number("per s; null where nothing moved, as in `check` and `--only shape`")),
+        max_acceleration=nullable(number("per s²; null as `max_speed`")),
+        max_effort=nullable(number("N·m, or N of a linear axis; null as `max_speed`")),
     )
 
 

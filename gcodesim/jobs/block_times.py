@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from gcodesim.canon import Action, ToolAwaited
-from gcodesim.jobs.meetings import is_mark, is_wait, name_of
+from gcodesim.jobs.marks import is_mark, is_wait, name_of
 from gcodesim.motion.trajectory import Trajectory
 from gcodesim.numbers import rounded
 

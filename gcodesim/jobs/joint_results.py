@@ -11,13 +11,14 @@ import numpy as np
 from gcodesim.diagnostics import Diagnostic
 from gcodesim.frozen import frozen
 from gcodesim.jobs.block_times import block_times
-from gcodesim.jobs.meetings import Appointments, is_wait
+from gcodesim.jobs.marks import is_wait
 from gcodesim.jobs.results import LineRows, Results, StockResult
 from gcodesim.numbers import rounded
 from gcodesim.units import MM
 
 if TYPE_CHECKING:
     from gcodesim.jobs.job import Job
+    from gcodesim.jobs.meetings import Appointments
 
 _ORDER: Final = ("failed", "findings", "ok")
 

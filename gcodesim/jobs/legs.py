@@ -29,7 +29,7 @@ from gcodesim.checks.speed import speed_findings
 from gcodesim.checks.told_once import told_once
 from gcodesim.diagnostics import Diagnostic, Severity, Span
 from gcodesim.frames import Array
-from gcodesim.jobs.meetings import is_stop, lone_marks
+from gcodesim.jobs.marks import is_stop, lone_marks
 from gcodesim.jobs.results import ProbeResult
 from gcodesim.jobs.sensor_waits import not_heard, standing_still, waited_in_vain
 from gcodesim.jobs.switching import switching_findings, untriggered

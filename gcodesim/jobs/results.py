@@ -522,9 +522,9 @@ def joint_rows(names: Iterable[str], joints: Joints, totals: JointTotals, path: 
                 "most": rounded(float(totals.most[i] / unit)),
                 "margin": rounded(float(margin / unit)) if np.isfinite(margin) else None,
                 "line_of_margin": line if np.isfinite(margin) else None,
-                "max_speed": rounded(float(totals.speed[i] / unit)),
-                "max_acceleration": rounded(float(totals.acceleration[i] / unit)),
-                "max_effort": rounded(float(totals.effort[i])),
+                "max_speed": rounded(float(totals.speed[i] / unit)) if totals.told else None,
+                "max_acceleration": rounded(float(totals.acceleration[i] / unit)) if totals.told else None,
+                "max_effort": rounded(float(totals.effort[i])) if totals.told else None,
             }
         )
     return entries

@@ -151,7 +151,7 @@ def loads_of(shop: Shop) -> Loads:
     """What the motors of the shop's robot bear: its links, its payload, each of the tools and what acts on it."""
     from gcodesim.planning.loads import Loads
     from gcodesim.world.body import tool_body
-    from gcodesim.world.model import payload_of
+    from gcodesim.world.payload import payload_of
 
     return Loads(
         chain=shop.kinematics.chain,

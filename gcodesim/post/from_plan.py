@@ -25,7 +25,7 @@ from gcodesim.post.nodes import PlannedArm
 from gcodesim.post.said import Said
 from gcodesim.post.straight import Stray, StrayOfJoints, StrayOfLine, needed
 from gcodesim.world.body import tool_body
-from gcodesim.world.model import payload_of
+from gcodesim.world.payload import payload_of
 
 if TYPE_CHECKING:
     from gcodesim.jobs.job import Job

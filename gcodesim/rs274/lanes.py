@@ -16,6 +16,12 @@ if TYPE_CHECKING:
 _MANY_BLOCKS: Final = 6_000
 """Blocks after which a short program, which then has a loop, has cost as much as the import."""
 
+_LONG_IN_CELL: Final = 50_000
+"""Bytes from which on the lane pays in a cell, whose plan needs most of what the lane imports."""
+
+_MANY_IN_CELL: Final = 1_500
+"""Blocks after which it pays there for a shorter text."""
+
 _BLOCKS_OF_HOLE: Final = 8
 """A block of a canned cycle costs as much as this many others."""
 
@@ -33,7 +39,8 @@ class Lanes:
         self._lane: PlainLane | None = None
         self._eager = settings.lane == "compiled"
         self._may_compile = self._eager or len(source.raw) >= _WORTH_COMPILING
-        self._from = {"grammar": None, "compiled": 0}.get(settings.lane, 0 if len(source.raw) >= LONG else _MANY_BLOCKS)
+        long, many = (_LONG_IN_CELL, _MANY_IN_CELL) if settings.has_cell else (LONG, _MANY_BLOCKS)
+        self._from = {"grammar": None, "compiled": 0}.get(settings.lane, 0 if len(source.raw) >= long else many)
 
     def lane_at(self, block: int) -> PlainLane | None:
         """The compiled lane, when the line at hand may be tried in it; `block` counts those so far."""

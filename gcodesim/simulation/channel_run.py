@@ -12,6 +12,7 @@ from gcodesim.jobs.beam_beyond import beyond_findings
 from gcodesim.jobs.inspection import Inspector
 from gcodesim.jobs.job import KINEMATIC, Job
 from gcodesim.jobs.loose_pieces import fallen_pieces
+from gcodesim.observation.schedule import stations_of
 
 if TYPE_CHECKING:
     from gcodesim.executor import Execution
@@ -45,7 +46,13 @@ class ChannelRun:
             watcher=watcher,
             only=self.job.options.only,
             bodies=self.bodies,
+            efforts=self._asks_for_efforts(),
         )
+
+    def _asks_for_efforts(self) -> bool:
+        """Whether anybody wants to know speeds and efforts: not for the shape alone, but for sensors and callers."""
+        assert self.job.cell is not None
+        return self.job.options.only != "shape" or self.job.seen is not None or bool(stations_of(self.job.cell))
 
     def _inspect(self, record: StepRecord, rows: RowTotals, joints: JointTotals) -> list[Diagnostic]:
         if self.job.seen is not None:

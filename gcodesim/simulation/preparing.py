@@ -15,7 +15,6 @@ from gcodesim.checks.idle import idle_findings
 from gcodesim.diagnostics import Diagnostic, Findings, Severity, SourceText, Span
 from gcodesim.jobs.cast import cast_of, is_of_cell
 from gcodesim.jobs.job import KINEMATIC, Job, Options
-from gcodesim.jobs.meetings import meet
 from gcodesim.rs274 import Settings, interpret
 from gcodesim.shop import Shop, open_shop
 
@@ -52,6 +51,8 @@ def prepare(program: SourceText, loaded: LoadedCell, options: Options | None = N
     if len(jobs) > 1:
         job.others = jobs[1:]
         if all(each.plan is not None for each in jobs):
+            from gcodesim.jobs.meetings import meet
+
             job.meetings = meet(jobs, _reread)
     return job
 

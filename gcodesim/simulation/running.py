@@ -11,7 +11,6 @@ from gcodesim.diagnostics import Diagnostic, Span
 from gcodesim.files.output_folder import FolderInUseError, claimed, in_use
 from gcodesim.jobs.collisions import collisions
 from gcodesim.jobs.job import Job
-from gcodesim.jobs.meetings import share_shop
 from gcodesim.jobs.outcome import first_error, results_of
 from gcodesim.jobs.rehearsal import asks_of_parts, rehearse
 from gcodesim.jobs.results import Results
@@ -100,6 +99,8 @@ def _run(
             folder.keep_results(results)
         return results, None
     if job.others:
+        from gcodesim.jobs.meetings import share_shop
+
         share_shop(job)
     from gcodesim.simulation.one_run import OneRun
 

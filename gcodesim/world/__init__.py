@@ -22,6 +22,8 @@ DRIVEN: Final = {
 }
 """The same worlds where motors obey a controller."""
 
+_PLACES_ALONE: Final = "gcodesim.world.commanded:CommandedWorld"
+
 
 def open_world(
     name: str,
@@ -29,16 +31,23 @@ def open_world(
     step_ns: int,
     *,
     gravity: tuple[float, float, float] = STANDARD_GRAVITY,
+    efforts: bool = True,
 ) -> World:
     """Open the world `name` of WORLDS around one robot or machine; the caller closes it.
 
     `step_ns` is the fixed step in whole nanoseconds, `gravity` [m/s²] in W. What stands around the machine is no part
-    of a world: `checks` find what it runs into. Raises `WorldUnavailable` when the world
+    of a world: `checks` find what it runs into. Without `efforts`, a kinematic world whose motors keep to their command
+    tells places alone. Raises `WorldUnavailable` when the world
     needs something that is not installed, KeyError for an unknown name.
     """
     if step_ns <= 0:
         raise ValueError(f"the step is {step_ns} ns; it has to be positive")
-    kind: Any = WORLDS[name] if robot.controller.law == "ideal" else object_at(DRIVEN[name])
+    if robot.controller.law != "ideal":
+        kind: Any = object_at(DRIVEN[name])
+    elif name == "kinematic" and not efforts:
+        kind = object_at(_PLACES_ALONE)
+    else:
+        kind = WORLDS[name]
     world: World = kind(robot, step_ns, gravity=gravity)
     return world
 

@@ -29,7 +29,8 @@ from gcodesim.kinematics.dynamics import inverse_dynamics
 from gcodesim.solids import Box, Cylinder, Placed, Sphere
 from gcodesim.world.body import RobotBody, ToolBody, centred
 from gcodesim.world.engine_sines import give_to
-from gcodesim.world.model import BulletModel, joint_name, merged_model, payload_of
+from gcodesim.world.model import BulletModel, joint_name, merged_model
+from gcodesim.world.payload import payload_of
 from gcodesim.world.protocol import STANDARD_GRAVITY, Couple, WorldSteps, WorldUnavailable
 from gcodesim.world.reaction import tool_reaction
 from gcodesim.world.state import WorldBase, reaction_of, wrench_rows

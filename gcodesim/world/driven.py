@@ -16,7 +16,7 @@ from gcodesim.frames import Array, Pose
 from gcodesim.kinematics.dynamics import inverse_dynamics
 from gcodesim.kinematics.elasticity import shift_jacobian
 from gcodesim.world.body import RobotBody, ToolBody
-from gcodesim.world.model import payload_of
+from gcodesim.world.payload import payload_of
 from gcodesim.world.protocol import STANDARD_GRAVITY, Couple, WorldSteps
 from gcodesim.world.reaction import tool_reaction
 from gcodesim.world.state import WorldBase, reaction_of, wrench_rows

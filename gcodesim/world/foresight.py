@@ -26,7 +26,8 @@ from gcodesim.world.drive_kernels import (
     weigh,
 )
 from gcodesim.world.foresight_kernels import foresee
-from gcodesim.world.model import LEAST_INERTIA, LEAST_MASS, payload_of
+from gcodesim.world.model import LEAST_INERTIA, LEAST_MASS
+from gcodesim.world.payload import payload_of
 
 
 def links_of(chain: Chain, tool: ToolBody | None, gravity_B: Array) -> LinkBodies:

@@ -10,7 +10,6 @@ about their principal axes, because Bullet only keeps those.
 from __future__ import annotations
 
 import math
-from functools import lru_cache
 from typing import TYPE_CHECKING, Final
 from xml.etree import ElementTree as ET
 
@@ -22,26 +21,18 @@ from gcodesim.frames import Array
 from gcodesim.frozen import frozen
 from gcodesim.kinematics.chain import Chain, Inertial
 from gcodesim.kinematics.dynamics import bodies
-from gcodesim.world.body import ToolBody
+from gcodesim.world.payload import payload_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
+
+    from gcodesim.world.body import ToolBody
 
 # a joint that carries no mass has no equation of motion; this much is no burden for any motor, and enough for
 # the solver to hold a cutting force (with a hundredth of it an arm yielded by 2 mm) [kg], [kg·m²]
 LEAST_MASS: Final = 1e-2
 LEAST_INERTIA: Final = 1e-5
 NOTHING: Final = Inertial(mass=0.0, com=np.zeros(3), inertia=np.zeros((3, 3)))
-
-
-@lru_cache(maxsize=64)
-def payload_of(tool: ToolBody | None) -> Inertial | None:
-    """Mass properties of a tool in axes of F, the same object for the same tool; None without one or without mass."""
-    if tool is None or tool.mass <= 0.0:
-        return None
-    xx, yy, zz, xy, xz, yz = tool.inertia
-    inertia = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-    return Inertial(mass=tool.mass, com=np.array(tool.com), inertia=inertia)
 
 
 def principal(inertia: Array) -> tuple[Array, Array]:

@@ -87,6 +87,9 @@ class World(Protocol):
     keeps_to_command: bool
     """Whether they usually are where they are commanded to be, so that it pays to cut ahead."""
 
+    tells_efforts: bool
+    """Whether it tells speeds and efforts, for which it is asked tick by tick; if not, they are zero."""
+
     @property
     def tool(self) -> ToolBody | None:
         """The tool on the flange."""

@@ -17,6 +17,8 @@ from gcodesim.world.protocol import Couple
 class WorldBase:
     """State that does not depend on how a world moves its robot."""
 
+    tells_efforts = True
+
     def __init__(self, robot: RobotBody, step_ns: int, *, gravity: tuple[float, float, float]) -> None:
         self.robot = robot
         self.step_ns = step_ns

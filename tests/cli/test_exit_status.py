@@ -107,6 +107,7 @@ def test_fail_on_moves_the_border(cli, write) -> None:
 
 def test_a_full_disk_leaves_no_half_file(cli, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The disk takes the log's beginning, but no result: nothing that is not whole has a final name."""
+
     def full(path: Path, **how: object) -> object:
         if path.name.startswith(("results.json", "lines.csv", "stock")):
             raise OSError(errno.ENOSPC, "No space left on device")

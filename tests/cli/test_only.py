@@ -33,6 +33,10 @@ def test_shape(cli, tmp_path: Path, cell: str) -> None:
     near = {"rel": 1e-6} if cell == "cell.yaml" else {"rel": 0.06}
     assert volumes(some) == pytest.approx(volumes(whole), **near)
     assert some["tools"][0]["max_force_N"] == 0.0 < whole["tools"][0]["max_force_N"]
+    assert whole["joints"][0]["max_speed"] > 0.0 and some["joints"][0]["max_speed"] is None
+    assert [(joint["least"], joint["most"]) for joint in some["joints"]] == [
+        pytest.approx((joint["least"], joint["most"])) for joint in whole["joints"]
+    ]
     slowest = 1.0 / (400 / 60)  # the time of a step of one cell
     assert some["time"]["engaged_s"] == pytest.approx(whole["time"]["engaged_s"], abs=2 * slowest)
 

@@ -57,9 +57,7 @@ def test_workers_elsewhere_come_to_the_same_verdict(suite: Path) -> None:
     assert [one.files.keys() for one in judged_by(Alone(), collected.cases, how)]
 
 
-def test_a_scheduler_prints_the_same_bytes(
-    suite: Path, standing: Cluster, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_scheduler_prints_the_same_bytes(suite: Path, standing: Cluster, capsys: pytest.CaptureFixture[str]) -> None:
     from gcodesim.cli import main
 
     said = []

@@ -16,7 +16,7 @@ from gcodesim.kinematics.dynamics import inverse_dynamics
 from gcodesim.kinematics.elasticity import compliance, shift_jacobian
 from gcodesim.kinematics.machine import Machine
 from gcodesim.world import WORLDS, RobotBody, World, open_world
-from gcodesim.world.model import payload_of
+from gcodesim.world.payload import payload_of
 from tests.unit.world import machines
 
 GEARS = (1.5e5, 1.4e5, 9e4, 3e4, 2.5e4, 1.5e4)

@@ -28,9 +28,7 @@ m_codes: {{M10: {{tool: activate}}, M11: {{tool: deactivate}}}}
 
 
 def wall(paste: str, *, height: float = 20.0, layers: int = 10, rest: float = 0.0, more: str = "") -> Ran:
-    body = "".join(
-        f"G0 X0 Y0 Z{height * (k + 1)}\nM10\nG1 X400 F24000\nM11\nG4 P{rest}\n" for k in range(layers)
-    )
+    body = "".join(f"G0 X0 Y0 Z{height * (k + 1)}\nM10\nG1 X400 F24000\nM11\nG4 P{rest}\n" for k in range(layers))
     return run_texts(f"G21 G90\nT1 M6\nG43 H1\n{body}M2\n", CELL.format(height=height, paste=paste, more=more))
 
 

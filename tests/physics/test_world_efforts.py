@@ -11,7 +11,7 @@ from gcodesim.kinematics.dynamics import inverse_dynamics
 from gcodesim.kinematics.machine import Machine
 from gcodesim.world import WORLDS, RobotBody, open_world
 from gcodesim.world.bullet import BulletWorld
-from gcodesim.world.model import payload_of
+from gcodesim.world.payload import payload_of
 from tests.unit.world import machines
 
 G = 9.80665

@@ -89,7 +89,7 @@ def test_special_values_are_those_of_c(name: str) -> None:
     ours, theirs = CASES[name][0], getattr(math, {"power": "pow"}.get(name, name))
     special = [0.0, -0.0, 1.0, -1.0, math.inf, -math.inf, math.nan, 0.5, -2.0, 3.0, 5e-324]
     pairs = len(CASES[name][2][0]) == 2
-    for values in ([(a, b) for a in special for b in special] if pairs else [(a,) for a in special]):
+    for values in [(a, b) for a in special for b in special] if pairs else [(a,) for a in special]:
         found = ours(*values)
         try:
             wanted = theirs(*values)
@@ -154,7 +154,7 @@ def test_compiled_and_interpreted_functions_give_the_same_bits(
 
 def test_arrays_of_any_length_and_shape_hold_what_single_values_give() -> None:
     for shape in ((3, 4), (40, 3, 5), (0,)):
-        x = np.array(ANGLES[: 12] * 50)[: math.prod(shape)].reshape(shape)
+        x = np.array(ANGLES[:12] * 50)[: math.prod(shape)].reshape(shape)
         cosine, sine = elementary.cos_sin(x.T)
         assert sine.shape == x.T.shape
         assert elementary.sin(x).ravel().tolist() == [elementary.sin(float(v)) for v in x.ravel()]

@@ -42,7 +42,11 @@ def cell(order: tuple[str, ...] = ("left", "right"), **more: Any) -> dict[str, A
         },
         "stock": {
             "block": {
-                "min": [-30, -20, -10], "max": [30, 20, 0], "in": "table", "material": "al6082_t6", "resolution": 0.5
+                "min": [-30, -20, -10],
+                "max": [30, 20, 0],
+                "in": "table",
+                "material": "al6082_t6",
+                "resolution": 0.5,
             }
         },
         "simulation": {"world": "kinematic"},

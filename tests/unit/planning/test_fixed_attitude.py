@@ -164,9 +164,7 @@ def test_a_tilted_system_tilts_the_tool() -> None:
     tilt = Pose(np.array([0.6, 0.0, 0.3]), rotation_about(np.array([0.0, 1.0, 0.0]), 0.3))
     system = WorkSystem(span=at(1), index=2, offset=ZERO, g92=ZERO, rotation=0.0)
 
-    plan = planned(
-        system, *SQUARE, tilts={2: tilt}, posing=FixedAttitude(frames={2: tilt.R})
-    )
+    plan = planned(system, *SQUARE, tilts={2: tilt}, posing=FixedAttitude(frames={2: tilt.R}))
 
     samples, _, X = sampled(plan)
     cartesian = ~plan.trajectory.pieces.fixed[samples.piece]

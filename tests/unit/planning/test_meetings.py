@@ -40,9 +40,7 @@ def test_waits_delay_all_that_follows() -> None:
 
 def test_a_circle_of_three_leaves_out_who_waits_behind_it() -> None:
     """d waits for c, and c for a; a and b and c wait for each other in a circle."""
-    table = together(
-        a=[1.0, "ab", "ca", "cd"], b=[2.0, "bc", "ab"], c=[3.0, "ca", "bc", "cd"], d=[4.0, "cd"]
-    )
+    table = together(a=[1.0, "ab", "ca", "cd"], b=[2.0, "bc", "ab"], c=[3.0, "ca", "bc", "cd"], d=[4.0, "cd"])
 
     assert table.circle == (Halt("a", 0), Halt("b", 0), Halt("c", 0))
     assert table.total is None
@@ -157,9 +155,7 @@ def things(**programs: list[float | str]) -> Timetable:
 
 
 def test_a_thing_is_waited_for_until_it_is_back_and_who_came_first_gets_it() -> None:
-    table = things(
-        a=[4.0, "+T1", 5.0, "-T1"], b=[1.0, "+T1", 7.0, "-T1", 1.0], c=[2.0, "+T1", 3.0, "-T1", 1.0]
-    )
+    table = things(a=[4.0, "+T1", 5.0, "-T1"], b=[1.0, "+T1", 7.0, "-T1", 1.0], c=[2.0, "+T1", 3.0, "-T1", 1.0])
 
     assert [table.waits[name][0] for name in "abc"] == [Wait(4.0, 11.0), Wait(1.0, 1.0), Wait(2.0, 8.0)]
     assert table.ends == {"a": 16.0, "b": 9.0, "c": 12.0}

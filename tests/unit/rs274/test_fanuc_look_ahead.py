@@ -115,9 +115,7 @@ def test_g39_on_the_right_turns_the_other_way_and_keeps_the_motion(done):
 def test_g39_with_a_direction_ends_at_right_angles_to_it(ends):
     """(1, -1): n = (1, 1) / sqrt 2; the next move goes from there to its own end, (23, -20)."""
     part = 3 / math.sqrt(2)
-    assert ends(*ENTRY, "X20.", "G39 I1. J-1.", "Y-20.", "G40 X0.")[1:4] == near(
-        (20, 3), (20 + part, part), (23, -20)
-    )
+    assert ends(*ENTRY, "X20.", "G39 I1. J-1.", "Y-20.", "G40 X0.")[1:4] == near((20, 3), (20 + part, part), (23, -20))
 
 
 def test_g39_has_the_line_and_feed_of_its_own_block(done):
@@ -181,6 +179,7 @@ def test_a_stop_is_not_read_across(ends):
 
 
 # -- interference
+
 
 def test_a_step_lower_than_the_radius_is_told(done):
     """A groove 4 mm wide between long walls: its ground would run backwards, as is known with the wall behind it."""

@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from gcodesim.world.body import ToolBody
-from gcodesim.world.model import LEAST_MASS, merged_model, payload_of, principal
+from gcodesim.world.model import LEAST_MASS, merged_model, principal
+from gcodesim.world.payload import payload_of
 from tests.unit.world import machines
 
 
