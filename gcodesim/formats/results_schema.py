@@ -204,7 +204,7 @@ def _joint() -> Json:
         most=number("greatest position"),
         margin=nullable(number("least distance from a limit; null: unlimited")),
         line_of_margin=LINE,
-        max_speed=nullable(number("per s; null where nothing moved, as in `check` and `--only shape`")),
+        max_speed=nullable(number("per s; null with `--only shape`")),
         max_acceleration=nullable(number("per s²; null as `max_speed`")),
         max_effort=nullable(number("N·m, or N of a linear axis; null as `max_speed`")),
     )

@@ -356,7 +356,7 @@ def _joints(plan: Plan, shop: Shop, execution: Execution | None) -> list[dict[st
         totals = execution.joints
     else:
         extremes = plan.extremes()
-        totals = JointTotals.start(extremes.least, told=False)
+        totals = JointTotals.start(extremes.least)
         totals.least, totals.most = extremes.least, extremes.most
         # as in a run: an extreme at the start belongs to no row
         totals.least_row = np.where(extremes.least == shop.home, -1, extremes.row_of_least)
