@@ -70,6 +70,11 @@ def blocks_of(page: str) -> list[Block]:
     return found
 
 
+def without_blocks(page: str) -> str:
+    """The prose and tables of a page."""
+    return re.sub(r"^```.*?^```$", "", page, flags=re.MULTILINE | re.DOTALL)
+
+
 @dataclass(slots=True)
 class Console:
     """A folder in which commands are run."""

@@ -2,29 +2,46 @@
 
 from __future__ import annotations
 
+import json
 import re
 import subprocess
 import sys
 from pathlib import Path
+from types import ModuleType
 
+import jsonschema
 import pytest
 import yaml
 
+from gcodesim.cell.loader import load_cell
+from gcodesim.cell.schema import cell_schema
 from gcodesim.cli.outline import outline
 from gcodesim.cli.parser import build_parser
 from gcodesim.cli.reference import reference
 from gcodesim.key_page import with_keys
 from gcodesim.kinematics.models import MODELS
-from tests.console import Block, Console, blocks_of, differs
+from tests.console import Block, Console, blocks_of, differs, without_blocks
 
 TOP = Path(__file__).parents[2]
 DOCS = TOP / "docs"
 PAGES = [TOP / "README.md", *sorted(DOCS.rglob("*.md"))]
-WITH_COMMANDS = [page for page in PAGES if any(block.language == "console" for block in blocks_of(page.read_text()))]
 
 
 def name_of(page: Path) -> str:
     return page.relative_to(TOP).as_posix()
+
+
+SNIPPETS = [
+    (page, code)
+    for page in PAGES[1:]
+    for code in re.findall(r"^```python\n(.*?)^```$", page.read_text(encoding="utf-8"), re.DOTALL | re.MULTILINE)
+]
+YAML = [
+    (page, text)
+    for page in PAGES
+    for text in re.findall(r"^```yaml\n(.*?)^```$", page.read_text(encoding="utf-8"), re.DOTALL | re.MULTILINE)
+]
+WITH_COMMANDS = [page for page in PAGES if any(block.language == "console" for block in blocks_of(page.read_text()))]
 
 
 @pytest.mark.parametrize("page", WITH_COMMANDS, ids=name_of)
@@ -49,6 +66,55 @@ def test_the_python_of_the_readme_runs(tmp_path: Path) -> None:
     done = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     assert re.fullmatch(r"\d+\.\d+ \d\.\d+e-\d+\n", done.stdout)
+
+
+@pytest.mark.parametrize(("page", "code"), SNIPPETS, ids=[name_of(page) for page, _ in SNIPPETS])
+def test_python_of_a_page_can_be_copied(page: Path, code: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each block runs by itself, with what it imports."""
+    module = ModuleType("page")
+    monkeypatch.setitem(sys.modules, "page", module)
+    exec(compile(code, name_of(page), "exec"), vars(module))
+
+
+def test_cells_of_the_pages_are_cells(tmp_path: Path) -> None:
+    file, faults = tmp_path / "cell.yaml", list[str]()
+    whole = [(page, text) for page, text in YAML if text.startswith("gcodesim: 1\n")]
+    for page, text in whole:
+        file.write_text(text, encoding="utf-8")
+        faults += [f"{name_of(page)}: {found.message}" for found in load_cell(file).findings if found.code != "GS926"]
+    assert len(whole) > 5 and not faults, "\n".join(faults)
+
+
+def test_parts_of_cells_of_the_pages_have_their_keys() -> None:
+    schema = cell_schema()
+    keys = schema["$defs"]["Cell"]["properties"]
+    parts = [json.loads(json.dumps(yaml.safe_load(text))) for _, text in YAML]
+    parts = [part for part in parts if "gcodesim" not in part and part.keys() <= keys.keys()]
+    assert len(parts) > 4
+    for part in parts:
+        jsonschema.validate(part, {"$defs": schema["$defs"], "properties": keys})
+
+
+def test_prose_names_commands_and_options_that_exist() -> None:
+    command_line = outline(build_parser())
+    leaves = {command.path: command for command in command_line.leaves()}
+    spoken = [
+        (page, words)
+        for page in PAGES
+        for text in re.findall(r"`gcodesim ([^`]+)`", without_blocks(page.read_text(encoding="utf-8")))
+        for words in [text.replace("|", " | ").split()]
+    ]
+    assert len(spoken) > 100
+    unknown = []
+    for page, words in spoken:
+        command = leaves.get((words[0],)) or leaves.get(tuple(words[:2]))
+        options = [word for word in words if word.startswith("--") and word != "--help"]
+        if command is None:
+            group = any(path[0] == words[0] for path in leaves) or words[0] == "COMMAND"
+            unknown += [] if group and not options else [f"{name_of(page)}: gcodesim {' '.join(words)}"]
+        else:
+            unknown += [f"{name_of(page)}: {option}" for option in options if not command.takes(option)]
+    assert not unknown, "\n".join(unknown)
 
 
 def test_the_tables_of_the_readme_are_whole() -> None:
