@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Final
 
 from gcodesim.canon import Action, Event, Output, Spindle
 from gcodesim.cell.signals import SignalSource
@@ -18,10 +19,16 @@ def value_after(event: Event, signal: Signal, sources: Mapping[str, SignalSource
     return value_of_action(event, signal) if source is None else number_after(event, source)
 
 
+SIGNAL: Final = "signal"
+"""Target of the action by which a script sets a signal, which is its verb, to its Q; without Q to the default."""
+
+
 def value_of_action(event: Event, signal: Signal) -> float | None:
-    """What an event of a mapped M-code sets a signal to that no word of the cell gives; None: nothing."""
+    """What an event of a mapped M-code, or of a script, sets a signal to that no word gives; None: nothing."""
     if not isinstance(event, Action):
         return None
+    if (event.target, event.verb) == (SIGNAL, signal.name):
+        return signal.default if event.q is None else event.q
     return next((a.value for a in signal.set_by if (a.target, a.verb) == (event.target, event.verb)), None)
 
 

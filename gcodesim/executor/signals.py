@@ -9,7 +9,8 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from gcodesim.canon import Action, Event, Output
+from gcodesim.canon import Action, Output
+from gcodesim.cell.signal_values import SIGNAL, value_of_action
 from gcodesim.cell.signals import SignalSource, SignalWord
 from gcodesim.motion.tool_path import PathEvent, ToolPath
 from gcodesim.processes.loading import LOAD_IN_TOOL, PUSHES
@@ -61,14 +62,13 @@ def signals_of_rows(
         sections = [each.section for each in path.states]
         for signal, size in ((BEAD_WIDTH, "width"), (BEAD_HEIGHT, "height")):
             found[signal.name] = np.array([0.0 if s is None else getattr(s, size) for s in sections])[state]
-    by_action = {name: signal for name, signal in (read or {}).items() if signal.set_by and name != ACTIVE.name}
-    if not (sources or by_action):
-        return found
     heard = [event for event in path.events if isinstance(event.event, (Output, Action))]
-    for name, signal in by_action.items():
-        values = {(action.target, action.verb): action.value for action in signal.set_by}
-        changes = ((each.row, values.get(_action(each.event))) for each in heard)
-        found[name] = _held(changes, len(spindle), signal.default)
+    actions = [(each.row, each.event) for each in heard if isinstance(each.event, Action)]
+    by_name = {action.verb for _, action in actions if action.target == SIGNAL}
+    for name, signal in (read or {}).items():
+        if name != ACTIVE.name and (signal.set_by or name in by_name):
+            changes = ((row, value_of_action(action, signal)) for row, action in actions)
+            found[name] = _held(changes, len(spindle), signal.default)
     for name, source in (sources or {}).items():
         found[name] = source.factor * _numbers(source.word, heard, spindle) + source.zero
     return found
@@ -115,7 +115,3 @@ def _held(changes: Iterable[tuple[int, float | None]], rows: int, start: float) 
     values = np.array([start, *(value for _, value in kept)])
     held: Array = values[np.searchsorted(at, np.arange(rows), side="right")]
     return held
-
-
-def _action(event: Event) -> tuple[str, str]:
-    return (event.target, event.verb) if isinstance(event, Action) else ("", "")

@@ -29,12 +29,12 @@ LOAD: Final = Signal("load", default=1.0, set_by=(SetBy("load", "on", 1.0), SetB
 """Share of the tool's constant load that acts."""
 
 PUSHES: Final = (
-    *(Signal(f"load_f{axis}", "N") for axis in "xyz"),
-    *(Signal(f"load_m{axis}", "N·m") for axis in "xyz"),
+    *(Signal(f"load_f{axis}", "N", with_moves=True) for axis in "xyz"),
+    *(Signal(f"load_m{axis}", "N·m", with_moves=True) for axis in "xyz"),
 )
 """Force and torque besides the constant load."""
 
-LOAD_IN_TOOL: Final = Signal("load_in_tool", default=nan)
+LOAD_IN_TOOL: Final = Signal("load_in_tool", default=nan, with_moves=True)
 """1: `PUSHES` are in axes of the tool; 0: of the world; not a number: as the tool's `load` says."""
 
 

@@ -29,7 +29,8 @@ class Signal:
 
     `default` holds where nothing in the program or in the cell gives the signal. `set_by` are the actions of M-codes
     that a process receives because it reads this signal; until the first of them comes, `default` holds. A word that
-    sets it below `least` or above `most` is told.
+    sets it below `least` or above `most` is told. `with_moves`: a path brings it along, as it does its feed, so that a
+    script need not set it.
     """
 
     name: str
@@ -38,19 +39,20 @@ class Signal:
     set_by: tuple[SetBy, ...] = ()
     least: float = -inf
     most: float = inf
+    with_moves: bool = False
 
     def is_set_by(self, actions: Container[tuple[str, str]]) -> bool:
         """Whether one of these actions, by target and verb, sets it."""
         return any((action.target, action.verb) in actions for action in self.set_by)
 
 
-SPINDLE: Final = Signal("spindle", "rad/s")
+SPINDLE: Final = Signal("spindle", "rad/s", with_moves=True)
 """Speed of the spindle: S with M3 (positive) or M4 (negative), 0 while it stands."""
 
-SURFACE_SPEED: Final = Signal("surface_speed", "m/s")
+SURFACE_SPEED: Final = Signal("surface_speed", "m/s", with_moves=True)
 """Cutting speed under G96, 0 under G97; then `SPINDLE` is the greatest speed."""
 
-PITCH: Final = Signal("pitch", "m")
+PITCH: Final = Signal("pitch", "m", with_moves=True)
 """Travel in a turn of the spindle in moves that keep step with it, as in a thread; 0 in all others."""
 
 ACTIVE: Final = Signal("active", set_by=(SetBy("tool", "activate", 1.0), SetBy("tool", "deactivate", 0.0)))
@@ -62,11 +64,11 @@ SPRAY: Final = Signal("spray", default=nan, set_by=(SetBy("tool", "activate", 1.
 FLOW: Final = Signal("flow", "m^3/s", nan, least=0.0)
 """What leaves a gun while it is on; not a number where no word gives it, and it is the tool's own."""
 
-BEAD_WIDTH: Final = Signal("bead_width", "m")
-BEAD_HEIGHT: Final = Signal("bead_height", "m")
+BEAD_WIDTH: Final = Signal("bead_width", "m", with_moves=True)
+BEAD_HEIGHT: Final = Signal("bead_height", "m", with_moves=True)
 """Size of the bead that the slicer's comments name; 0 where they do not."""
 
-FEED: Final = Signal("feed", "m/s")
+FEED: Final = Signal("feed", "m/s", with_moves=True)
 """Speed that the program asks for; infinite in rapids."""
 
 BEAM: Final = Signal("beam", default=nan, set_by=(SetBy("tool", "activate", 1.0), SetBy("tool", "deactivate", 0.0)))
@@ -81,7 +83,7 @@ ABRASIVE: Final = Signal("abrasive", default=1.0, least=0.0, most=1.0)
 GAS: Final = Signal("gas", default=1.0)
 """1 while gas flows; so it does where no word says anything of it."""
 
-LASER_MODE: Final = Signal("laser_mode")
+LASER_MODE: Final = Signal("laser_mode", with_moves=True)
 """Speed of S that means full power where the control drives a laser as grbl does with `$32=1`; 0 where it does not."""
 
 

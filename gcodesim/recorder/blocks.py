@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from gcodesim.canon import Action, Event, OptionalStop, Pause, Stop, ToolChange, Trip
 from gcodesim.canon import Output as OutputEvent
 from gcodesim.canon.systems import name_of_system
+from gcodesim.cell.signal_values import SIGNAL
 from gcodesim.diagnostics.span_table import SpanTable
 from gcodesim.frames import Array
 from gcodesim.frozen import frozen
@@ -141,6 +142,8 @@ def _switches(plan: Plan, entries: _Entries) -> tuple[Ints, list[tuple[OutputSta
 def _switched(event: Event) -> OutputState | None:
     if isinstance(event, OutputEvent):
         return OutputState(f"{event.type} {event.index}", event.value)
+    if isinstance(event, Action) and event.target == SIGNAL:
+        return OutputState(event.verb, verb="default") if event.q is None else OutputState(event.verb, event.q)
     if isinstance(event, Action):
         return OutputState(event.target, verb=event.verb)
     return None

@@ -6,8 +6,9 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Final
 
 from gcodesim.canon import Action, Event, ToolChange
+from gcodesim.cell.signal_values import SIGNAL
 from gcodesim.processes import PROCESSES
-from gcodesim.processes.signal import ACTIVE
+from gcodesim.processes.signal import ACTIVE, Signal
 from gcodesim.session import caller
 
 if TYPE_CHECKING:
@@ -34,6 +35,12 @@ def _takes_actions(tool: Tool | None) -> bool:
     return any(signal.name != ACTIVE.name and signal.is_set_by({ON}) for signal in signals)
 
 
+def settings_of(tool: Tool) -> dict[str, Signal]:
+    """What a script may set of a tool by a number, by name: signals that neither its moves nor a switch gives."""
+    read = [signal for kind in tool.processes for signal in PROCESSES[kind].reads]
+    return {signal.name: signal for signal in read if not (signal.set_by or signal.with_moves)}
+
+
 @dataclass(slots=True, eq=False)
 class Switches:
     """Events that come with the next steps, and what the tool was told last."""
@@ -41,12 +48,17 @@ class Switches:
     _tool: Tool | None = None
     _told_on: bool = False
     _waiting: list[Event] = field(default_factory=list)
+    values: dict[str, float] = field(default_factory=dict)  # of settings, until the tool is changed
 
     def change(self, number: int, tool: Tool | None) -> None:
         """The tool in hand goes, switched off, and `tool` comes."""
         self.turn(False)
+        self._waiting += [action((SIGNAL, name)) for name in self.values]
+        self.values.clear()
         self._waiting.append(ToolChange(span=caller.line(), tool=number))
         self._tool = tool
+        if _takes_actions(tool):  # or a power, or a flow, alone would have it on
+            self._waiting.append(action(OFF))
 
     def turn(self, on: bool) -> None:
         """Switch the tool on or off, unless it is so already."""
@@ -63,13 +75,18 @@ class Switches:
         """Tell the tool something at once."""
         self._waiting.append(action(order))
 
+    def set(self, name: str, value: float) -> None:
+        """Give a setting a value at once."""
+        self.values[name] = value
+        self._waiting.append(action((SIGNAL, name), value))
+
     def taken(self) -> tuple[Event, ...]:
         """What waits; nothing does afterwards."""
         events, self._waiting = tuple(self._waiting), []
         return events
 
 
-def action(order: tuple[str, str]) -> Action:
+def action(order: tuple[str, str], value: float | None = None) -> Action:
     """The event that tells a tool something, in the line of the script."""
     target, verb = order
-    return Action(span=caller.line(), m=_M, p=None, q=None, target=target, verb=verb)
+    return Action(span=caller.line(), m=_M, p=None, q=value, target=target, verb=verb)

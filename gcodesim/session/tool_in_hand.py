@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from gcodesim.motion.tool_path import ToolPath
 from gcodesim.session.misuse import MisuseError
-from gcodesim.session.switches import CLOSE, ON, OPEN, hears
+from gcodesim.session.switches import CLOSE, ON, OPEN, hears, settings_of
 from gcodesim.tools.tcp_load import LOAD_FRAMES
 
 if TYPE_CHECKING:
@@ -86,6 +86,30 @@ class HandTool:
         if not hears(self.spec, order):
             raise MisuseError(f"tool {self.number} ({self.spec.kind}) is no gripper")
         self._cell._switches.tell(order)
+
+    @property
+    def settings(self) -> dict[str, float | None]:
+        """What `set` can set, by name in SI; None where the tool's own value holds, as the cell gives it."""
+        values = self._cell._switches.values if self.is_coupled else {}
+        return {name: values.get(name) for name in settings_of(self.spec)}
+
+    def set(self, name: str, value: float) -> None:
+        """Set what `signals` of a cell give a program's tools, in SI: `set("power", 400.0)`, from the next step on.
+
+        It holds until another value or until the tool is put back. MisuseError when no robot holds it, when it has no
+        such setting, and for a value that the setting cannot have.
+        """
+        self._held()
+        known = settings_of(self.spec)
+        if name not in known:
+            listed = f"it has {', '.join(known)}" if known else "it has none"
+            raise MisuseError(f"tool {self.number} ({self.spec.kind}) has no setting `{name}`; {listed}")
+        signal = known[name]
+        if not (np.isfinite(value) and signal.least <= value <= signal.most):
+            unit = f" {signal.unit}" if signal.unit else ""
+            reach = f"from {signal.least:g} to {signal.most:g}{unit}" if np.isfinite(signal.most) else "0 or more"
+            raise MisuseError(f"`{name}` of tool {self.number} cannot be {value:g}{unit}; it can be {reach}")
+        self._cell._switches.set(name, float(value))
 
     def spin(self, speed: float) -> None:
         """Turn the spindle from the next step on [rad/s]; above 0 as M3, below as M4, 0 stops it."""

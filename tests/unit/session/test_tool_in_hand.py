@@ -54,6 +54,16 @@ def passed(cell: OpenCell, number: int, height: float) -> None:
     arm.run(line((35.0, 15.0, height), (35.0, 15.0, height + 20.0)))
 
 
+def passed_on(cell: OpenCell, number: int, y: float, height: float = 0.0) -> None:
+    """Along the plate with the tool that is held, on for 30 mm."""
+    tool, arm = cell.tool(number), cell.robot()
+    arm.run(line((5.0, y, height + 20.0), (5.0, y, height)))
+    tool.activate()
+    arm.run(line((5.0, y, height), (35.0, y, height)))
+    tool.deactivate()
+    arm.run(line((35.0, y, height), (35.0, y, height + 20.0)))
+
+
 def test_a_laser_takes_what_its_energy_takes_and_only_while_it_is_on(tmp_path: Path) -> None:
     """1.5 s and the ramps at 500 W, 80 % of it at 2 J/mm³, whatever words the cell has for programs."""
     with opened(tmp_path) as cell:
@@ -80,6 +90,31 @@ def test_activating_holds_for_paths_that_do_not_switch(tmp_path: Path) -> None:
     assert cell.results.stocks["plate"].deposited == pytest.approx(
         30.0 * (3.0 * 3.0 + 9.0 * np.pi / 4.0) * 1e-9, rel=0.05
     )
+
+
+def test_a_script_sets_power_and_flow_until_the_tool_is_put_back(tmp_path: Path) -> None:
+    """200 W in place of 500 on the first pass, then 100 W; the gun sprays what it is told, the next laser its own."""
+    with opened(tmp_path) as cell:
+        tool, arm = cell.tool(3), cell.robot()
+        assert tool.settings["power"] is None
+        tool.couple(arm)
+        tool.set("power", 200.0)
+        passed_on(cell, 3, 5.0)
+        tool.set("power", 100.0)
+        assert tool.settings["power"] == 100.0
+        passed_on(cell, 3, 15.0)
+        tool.decouple()
+        assert tool.settings["power"] is None
+        tool.couple(arm)
+        passed_on(cell, 3, 25.0)
+        tool.decouple()
+        cell.tool(4).couple(arm)
+        cell.tool(4).set("flow", 1e-6)
+        passed_on(cell, 4, 15.0, 100.0)
+    laser, gun = (next(t for t in cell.results.tools if t["number"] == k) for k in (3, 4))
+
+    assert laser["beam_energy_J"] == pytest.approx((200.0 + 100.0 + 500.0) * 1.52, rel=0.01)
+    assert gun["sprayed_mm3"] == pytest.approx(1e3 * 1.52, rel=0.02)
 
 
 @pytest.mark.parametrize("world", ["kinematic", "bullet"])
@@ -118,6 +153,13 @@ def _with(number: int, what: Callable[[Any], Any]) -> Callable[[OpenCell], Any]:
         (_with(1, lambda tool: tool.activate()), "a cutter takes `spin`"),
         (_with(5, lambda tool: tool.activate()), "a gripper has `close` and `open`"),
         (_with(3, lambda tool: tool.close()), "is no gripper"),
+        (lambda cell: cell.tool(3).set("power", 1.0), "no robot holds tool 3; call `couple` first"),
+        (_with(3, lambda tool: tool.set("flow", 1.0)), "has no setting `flow`; it has power"),
+        (_with(1, lambda tool: tool.set("power", 1.0)), "has no setting `power`; it has none"),
+        (_with(3, lambda tool: tool.set("power", -5.0)), "`power` of tool 3 cannot be -5 W; it can be 0 or more"),
+        (_with(3, lambda tool: tool.set("power", float("nan"))), "cannot be nan W"),
+        (_with(5, lambda tool: tool.set("beam", 1.0)), "has no setting `beam`"),
+        (_with(6, lambda tool: tool.set("abrasive", 1.5)), "cannot be 1.5; it can be from 0 to 1"),
         (_with(1, lambda tool: tool.spin(float("inf"))), "cannot turn with inf"),
         (_with(1, lambda tool: tool.apply_tcp_force([1.0, 2.0])), "a force has three finite numbers"),
         (lambda cell: cell.tool(1).couple("arm"), "is coupled to an arm of the cell"),
