@@ -303,8 +303,8 @@ def _scene(cell: Cell, mover: Mover, placement: Placement) -> Scene:
         **{name: Stand(on.link, on.X) for name, on in placement.carried.items()},
     }
     movers = {mover.name: mover}
-    for on in placement.carried.values():
-        name = on.link.partition("/")[0]
+    for link in (*(on.link for on in placement.carried.values()), *placement.borne.values()):
+        name = link.partition("/")[0]
         if name not in movers:
             movers[name] = _mover(cell.machine if name == MACHINE and cell.machine else cell.robots[name])
     return Scene(movers=movers, frames=frames, bodies=(*_links(mover), *_standing(cell)))
@@ -312,12 +312,10 @@ def _scene(cell: Cell, mover: Mover, placement: Placement) -> Scene:
 
 def _system_stand(cell: Cell, mover: Mover, placement: Placement) -> Stand:
     """The stand of G54; on what an external axis carries it moves with that."""
-    link = placement.platforms.get(1)
+    link = placement.platforms.get(1) or placement.borne.get(1)
     if link is None:
         return _work_stand(mover, placement.X_W("G54"))
-    owner = cell.machine if mover.name == MACHINE else cell.robots[mover.name]
-    assert owner is not None
-    return Stand(link, owner.platforms[link].inverse() @ placement.X_W("G54"))
+    return Stand(link, cell.platforms[link].inverse() @ placement.X_W("G54"))
 
 
 def _links(mover: Mover) -> Iterator[Body]:

@@ -63,6 +63,9 @@ GALLERY = {
     "cutters.png": Shot("cutters", 125.0, "--target 0.5 0.36 -0.3 --span 0.36 --tilt 35"),
     "flange.png": Shot("flange", None, "--target 0.4 0.3 -0.27 --span 0.3"),
     "hub.png": Shot("hub", 62.0, "--target 0 0 0.13 --span 0.2 --turn -25 --tilt 20"),
+    "index_table.png": Shot(
+        "index_table", 20.0, "--target 0.85 0 0.35 --span 0.6 --tilt 40", ("right=index_table.right.nc",)
+    ),
     "inspection.png": Shot("inspection", 9.1, "--target 0.53 0.33 -0.235 --span 0.32"),
     "learned_wall.png": Shot("learned_wall", 26.0, "--target 0.53 -0.03 0.24 --span 0.45"),
     "machine_tending.png": Shot("machine_tending", 9.0),

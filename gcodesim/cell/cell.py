@@ -201,6 +201,12 @@ class Cell:
         return {**stocks, **parts, **fixtures}
 
     @property
+    def platforms(self) -> dict[str, Pose]:
+        """X_WC of all that external axes carry, with these at zero, by the names of the links: `arm/positioner`."""
+        found = {link: X for robot in self.robots.values() for link, X in robot.platforms.items()}
+        return found if self.machine is None else found | self.machine.platforms
+
+    @property
     def link_names(self) -> tuple[str, ...]:
         """All links of its robots and its machine, by their names in the log: `arm/flange`, `machine/table`."""
         movers = ([(MACHINE, self.machine)] if self.machine is not None else []) + [*self.robots.items()]

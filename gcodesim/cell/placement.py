@@ -53,7 +53,8 @@ class Placement:
     `stocks`, `fixtures`, `parts` and `target` are X_W of the bodies' own frames, and `sensors` of theirs, without
     those that stand on a link: these are `carried`, by names such as `stock/plate`, `fixture/clamp` and `sensor/eye`.
     `given` are the systems that the cell names; `automatic`: G54 was chosen by the rule for stock without a place.
-    `platforms` says on which link an external axis carries a system; its offset holds with that axis at zero.
+    `platforms` says on which link an external axis carries a system; its offset holds with that axis at zero. Those of
+    `borne` are moved so by the programs of other channels.
     """
 
     X_WM: Pose
@@ -67,6 +68,7 @@ class Placement:
     carried: Mapping[str, Carried] = field(default_factory=dict)
     parts: Mapping[str, Pose] = field(default_factory=dict)
     platforms: Mapping[int, str] = field(default_factory=dict)
+    borne: Mapping[int, str] = field(default_factory=dict)
     devices: Mapping[str, Pose] = field(default_factory=dict)
     frames: Mapping[str, Pose] = field(default_factory=dict)
     findings: tuple[Diagnostic, ...] = ()
@@ -119,7 +121,7 @@ def place(cell: Cell, channel: str = MAIN) -> Placement:
     X_WM = mover.X_WB if mover.axes else _upright_base(cell, own, mover)
     offsets = {index: Pose.identity() for index in range(1, len(SYSTEMS) + 1)}
     for name, standing in own.work_offsets.items():
-        X_MP = _offset(cell, X_WM, mover, standing)
+        X_MP = _offset(cell, X_WM, mover.X_WB, standing)
         offsets[system_index(name)] = X_MP
         if mover.axes and _leans(X_MP):
             tilt = np.degrees(acos(np.clip(X_MP.R[2, 2], -1, 1)))
@@ -151,12 +153,14 @@ def place(cell: Cell, channel: str = MAIN) -> Placement:
         frames=cell.frames,
         findings=tuple(findings),
     )
-    platforms = {
+    bearers = {
         system_index(name): on[0]
         for name, standing in own.work_offsets.items()
-        if (on := _platform_of(cell, mover, standing)) is not None
+        if (on := _platform_of(cell, standing)) is not None
     }
-    result = replace(result, platforms=platforms)
+    platforms = {system: link for system, link in bearers.items() if link in mover.platforms}
+    borne = {system: link for system, link in bearers.items() if link not in mover.platforms}
+    result = replace(result, platforms=platforms, borne=borne)
     stocks = {f"{STOCK}/{name}": stock.place for name, stock in cell.stocks.items()}
     fixtures = {f"{FIXTURE}/{name}": fixture.place for name, fixture in cell.fixtures.items()}
     parts = {f"{PART}/{name}": part.place for name, part in cell.parts.items()}
@@ -165,7 +169,7 @@ def place(cell: Cell, channel: str = MAIN) -> Placement:
     carried = {
         name: on_link
         for name, stand in placed.items()
-        if (on_link := _on_link(cell, stand) or _with_system(result, mover, name, stand))
+        if (on_link := _on_link(cell, stand) or _with_system(cell, result, name, stand))
     }
     return replace(
         result,
@@ -199,13 +203,14 @@ def _standing(placement: Placement, standing: Standing, default: str) -> Pose:
     return placement.X_W(standing.frame or default) @ standing.X
 
 
-def _with_system(placement: Placement, mover: MachineTool | Robot, name: str, standing: Standing) -> Carried | None:
+def _with_system(cell: Cell, placement: Placement, name: str, standing: Standing) -> Carried | None:
     """Where something stands on the platform that carries its work system; None if no external axis does."""
     frame = standing.frame or ("G54" if name.startswith(STOCK) else "world")
-    link = placement.platforms.get(system_index(frame)) if frame in SYSTEMS else None
+    bearers = {**placement.platforms, **placement.borne}
+    link = bearers.get(system_index(frame)) if frame in SYSTEMS else None
     if link is None:
         return None
-    return Carried(link, mover.platforms[link].inverse() @ placement.X_W(frame) @ standing.X)
+    return Carried(link, cell.platforms[link].inverse() @ placement.X_W(frame) @ standing.X)
 
 
 def _on_link(cell: Cell, standing: Standing) -> Carried | None:
@@ -216,19 +221,20 @@ def _on_link(cell: Cell, standing: Standing) -> Carried | None:
     return Carried(name, standing.X) if name not in cell.frames and name in cell.link_names else None
 
 
-def _platform_of(cell: Cell, mover: MachineTool | Robot, standing: Standing) -> tuple[str, Pose] | None:
-    """The link that external axes of `mover` move, on which something stands, and the frame there at zero in W."""
+def _platform_of(cell: Cell, standing: Standing) -> tuple[str, Pose] | None:
+    """The link that external axes move, on which something stands, and the frame there at zero in W."""
     on = _on_link(cell, replace(standing, xyz=(0.0, 0.0, 0.0), rpy=(0.0, 0.0, 0.0)))
-    if on is None or on.link not in mover.platforms:
+    platforms = cell.platforms
+    if on is None or on.link not in platforms:
         return None
-    return on.link, mover.platforms[on.link] @ on.X
+    return on.link, platforms[on.link] @ on.X
 
 
-def _offset(cell: Cell, X_WM: Pose, mover: MachineTool | Robot, standing: Standing) -> Pose:
+def _offset(cell: Cell, X_WM: Pose, X_WB: Pose, standing: Standing) -> Pose:
     """X_MP of a work offset; without `in:` it counts from machine zero, on an arm from the base."""
     if standing.frame is None:
-        X_WP = mover.X_WB @ standing.X
-    elif (on := _platform_of(cell, mover, standing)) is not None:
+        X_WP = X_WB @ standing.X
+    elif (on := _platform_of(cell, standing)) is not None:
         _, X_WC = on
         X_WP = X_WC @ standing.X
     else:
@@ -252,7 +258,7 @@ def _upright_base(cell: Cell, channel: Channel, robot: MachineTool | Robot) -> P
     if not channel.work_offsets:
         return robot.X_WB
     first = channel.work_offsets[min(channel.work_offsets, key=system_index)]
-    R_BP = _offset(cell, robot.X_WB, robot, first).R
+    R_BP = _offset(cell, robot.X_WB, robot.X_WB, first).R
     if R_BP[2, 2] >= 1.0 - _UPRIGHT:
         return robot.X_WB
     return Pose(robot.X_WB.p, multiplied(robot.X_WB.R, R_BP))

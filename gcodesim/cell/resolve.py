@@ -196,25 +196,41 @@ def _check_frames(cell: Cell, to: Reading) -> None:
 
 
 def _is_on_platform(cell: Cell, name: str, path: Path) -> bool:
-    """Whether a work system stands on what the external axes of its own channel carry."""
-    if "work_offsets" not in path:
+    """Whether a work system stands on what external axes carry: those of its own channel; on an arm any."""
+    channel = _channel_of(cell, path)
+    if channel is None or "work_offsets" not in path:
         return False
     link = cell.carried[name].link if name in cell.carried else name
-    channel = cell.channels.get(str(path[1])) if path[0] == "channels" else next(iter(cell.channels.values()), None)
-    if channel is None:
-        return False
-    mover = cell.machine if channel.robot == MACHINE else cell.robots.get(str(channel.robot))
-    return mover is not None and link in mover.platforms
+    if channel.robot == MACHINE:
+        return cell.machine is not None and link in cell.machine.platforms
+    own = cell.robots.get(str(channel.robot))
+    from_surface = channel.orientation is not None and channel.orientation.tool_axis.surface is not None
+    return link in cell.platforms and not (from_surface and own is not None and link not in own.platforms)
+
+
+def _channel_of(cell: Cell, path: Path) -> Channel | None:
+    """The channel to which a key of the cell file belongs."""
+    if path[0] == "channels":
+        return cell.channels.get(str(path[1]))
+    return next(iter(cell.channels.values()), None)
 
 
 def _fault_on_link(cell: Cell, name: str, path: Path, to: Reading) -> None:
     link = cell.carried[name].link if name in cell.carried else name
     message = f"`{name}` moves" if link == name else f"`{name}` moves with `{link}`"
     hint = "only frames, stock, fixtures, parts and sensors may stand in it"
-    owner = next((robot for robot, mover in cell.robots.items() if link in mover.platforms), None)
-    if owner is not None and "work_offsets" in path:
-        message = f"{message}, which the program of `{owner}` moves"
-        hint = "a program follows the external axes of its own robot only; `robot` of an external says whose they are"
+    if "work_offsets" in path:
+        hint = "a work system may stand on what external axes carry, not on a link; stock and parts may stand on both"
+        channel = _channel_of(cell, path)
+        if link in cell.platforms and channel is not None:
+            message = f"{message}, which the program of `{link.partition('/')[0]}` moves"
+            machine = channel.robot == MACHINE
+            what = "the program of a machine tool" if machine else "a tool axis from a surface"
+            hint = f"{what} follows {'its own table' if machine else 'external axes of its own robot'} only; " + (
+                "an arm can work there, or give the table to the machine (`robot: machine`)"
+                if machine
+                else "name another `tool_axis`, such as -Z of G54"
+            )
     to.fault("GS712", to.span(path), message, hint)
 
 

@@ -81,7 +81,7 @@ def shifted_robot(cell: Cell, robot: str, shift: Array) -> Shifted:
 
 def _moved(cell: Cell, keys: tuple[str, ...], place: Place, shift: Array) -> Shifted:
     parent = place.frame or WORLD
-    platforms = {link: X for robot in cell.robots.values() for link, X in robot.platforms.items()}
+    platforms = cell.platforms
     platforms |= {link.rpartition("/")[2]: X for link, X in platforms.items()}
     X_WA = cell.frames.get(parent) or platforms.get(parent)
     if X_WA is None:

@@ -36,7 +36,7 @@ def surface_of(cell: Cell, placement: Placement, channel: str) -> tuple[Solid, P
         return solid, X_MW @ placement.target
     frame = f"{kind}/{name}"
     if (on := placement.carried.get(frame)) is not None:
-        X_WC = cell.machine_of(channel).platforms[on.link]
+        X_WC = cell.platforms[on.link]
         return solid, X_MW @ X_WC @ on.X
     places = {STOCK: placement.stocks, FIXTURE: placement.fixtures, PART: placement.parts}[kind]
     X_WS = places[name]

@@ -55,6 +55,8 @@ def standing_bodies(scene: Scene, base: str) -> list[Standing]:
     for body in scene.bodies:
         if body.solids and any(may_not_meet(role, body.role) for role in ("tool", "holder")):
             carrier, X = scene.standing_on(body.name)
+            if carrier.partition("/")[0] != base and scene.moves(carrier):
+                continue  # another machine moves it: `cell_meetings` looks at that
             X = X_BW @ X if carrier == WORLD else X
             obstacle = Obstacle.of(body.label, [placed.at(X) for placed in body.solids])
             found.setdefault((carrier, body.role), []).append(obstacle)

@@ -168,12 +168,17 @@ def links_of(mover: Mover) -> Iterator[CarriedBody]:
 
 
 def _around(scene: Scene, mover: Mover) -> Iterator[CarriedBody]:
-    """Fixtures and stocks, on the joint that moves them or on the base."""
+    """Fixtures and stocks, on the joint that moves them or on the base; not what another machine moves.
+
+    `cell_meetings` looks at that, by the motion of both.
+    """
     for body in scene.bodies:
         solids = [placed for placed in body.solids if readable(placed)]
         if body.role == "link" or not solids:
             continue
         frame, X = scene.standing_on(body.name)
+        if frame.partition("/")[0] != mover.name and scene.moves(frame):
+            continue
         carrier, X_JF = on_joint(mover, frame)
         placed = tuple(solid.at(X_JF @ X) for solid in solids)
         yield CarriedBody(rigid=RigidBody(name=body.label, solids=placed, carrier=carrier), role=body.role)

@@ -7,9 +7,10 @@ from typing import Any
 import numpy as np
 
 from gcodesim.canon import Action, ToolAwaited
-from gcodesim.jobs.marks import is_mark, is_wait, name_of
+from gcodesim.jobs.marks import name_of
 from gcodesim.motion.trajectory import Trajectory
 from gcodesim.numbers import rounded
+from gcodesim.planning.marks import is_mark, is_wait
 
 
 def block_times(trajectory: Trajectory, *, unended: bool) -> list[dict[str, Any]]:

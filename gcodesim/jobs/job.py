@@ -29,6 +29,8 @@ if TYPE_CHECKING:
     from gcodesim.log.shapes import DrawnLine
     from gcodesim.material.skin import PaintedSkin
     from gcodesim.planning import Plan
+    from gcodesim.planning.bearers import Bearers
+    from gcodesim.planning.borne_work import BorneWork
 
 KINEMATIC: Final = "kinematic"
 BULLET: Final = "bullet"
@@ -90,7 +92,8 @@ class Job:
     Several programs at once are a job each: `others` are those of further channels, in the order of their names, and
     `meetings` tells when they wait for each other; only the first job has them. `held` is the mark at which a program
     waits for ever; it is the last that is read of it. `alone`: no other program runs. `seen` gets each window of the
-    run as soon as it has been moved through.
+    run as soon as it has been moved through. `borne` is where the work is that programs of other channels move, as
+    the plan has it, and `bearers` where it is at any time.
     """
 
     program: SourceText
@@ -106,6 +109,8 @@ class Job:
     sensed: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)  # what sensors have read, for the results
     drawings: tuple[DrawnLine, ...] | None = None  # what a script has drawn so far; None where none draws
     shop: Shop | None = None
+    borne: BorneWork | None = None
+    bearers: Bearers | None = None
     reading: Run | None = None
     plan: Plan | None = None
     legs: Onward | None = None  # how `plan` goes on where the program asks something of the run

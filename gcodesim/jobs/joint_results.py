@@ -11,9 +11,9 @@ import numpy as np
 from gcodesim.diagnostics import Diagnostic
 from gcodesim.frozen import frozen
 from gcodesim.jobs.block_times import block_times
-from gcodesim.jobs.marks import is_wait
 from gcodesim.jobs.results import LineRows, Results, StockResult
 from gcodesim.numbers import rounded
+from gcodesim.planning.marks import is_wait
 from gcodesim.units import MM
 
 if TYPE_CHECKING:

@@ -79,7 +79,7 @@ class Legs:
         self._question: canon.ProbeMove | canon.Input | None = None
         self._reply: canon.Answer | None = None
         self._read = self._ended = False
-        self._posing = posing_of(job.shop, self._obstacles())
+        self._posing = posing_of(job.shop, self._obstacles(), job.borne)
         self._at: Array = job.shop.home
         self._mounted = job.cell.channels[job.channel].loaded_tool or 0
         self._step_ns = job.cell.simulation.step_ns

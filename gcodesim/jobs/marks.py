@@ -9,19 +9,10 @@ from typing import TypeAlias
 from gcodesim.canon import Action, Event, ToolAwaited, ToolChange, ToolReturned
 from gcodesim.cell.channel import WAIT
 from gcodesim.diagnostics import Diagnostic, Severity
+from gcodesim.planning.marks import is_mark
 
 Meeting: TypeAlias = Action | ToolAwaited | ToolReturned
 """Where the program of a channel meets those of others: a mark, or a tool that others may have or want."""
-
-
-def is_mark(item: object) -> bool:
-    """Whether an event is a mark at which programs wait for each other."""
-    return isinstance(item, Action) and item.target == WAIT
-
-
-def is_wait(item: object) -> bool:
-    """Whether the machine may stand at an event because of other programs: at a mark, or for a tool."""
-    return is_mark(item) or isinstance(item, ToolAwaited)
 
 
 def is_stop(item: object) -> bool:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -14,9 +14,11 @@ from gcodesim.checks.sharing import Occupant, SharedZone, sharing_findings
 from gcodesim.diagnostics import Diagnostic, Span
 from gcodesim.frames import WORLD
 from gcodesim.frozen import frozen
-from gcodesim.jobs.marks import Meeting, is_stop, is_wait, lone_mark, name_of
+from gcodesim.jobs.borne_work import bears_work, displaced, moving_work
+from gcodesim.jobs.marks import Meeting, is_stop, lone_mark, name_of
 from gcodesim.motion.waits import with_waits
 from gcodesim.numbers import rounded
+from gcodesim.planning.marks import is_wait
 from gcodesim.planning.meetings import Agenda, Arrival, Fetching, Halt, Returning, Stop, Timetable, timetable
 from gcodesim.planning.waiting import waiting
 from gcodesim.shop import side_by_side
@@ -24,6 +26,9 @@ from gcodesim.shop import side_by_side
 if TYPE_CHECKING:
     from gcodesim.jobs.job import Job
     from gcodesim.motion.trajectory import TimedEvent
+    from gcodesim.planning.plan import Plan
+
+_ROUNDS: Final = 8  # of planning until all work stands where it was planned for
 
 
 @frozen
@@ -72,20 +77,21 @@ class Appointments:
         }
 
 
-def meet(jobs: Sequence[Job], read_again: Callable[[Job, int], None]) -> Appointments:
+def meet(jobs: Sequence[Job], read_again: Callable[[Job, int | None], None]) -> Appointments:
     """Put the programs of `jobs` on one clock: their plans get waits, and the first job the findings about them.
 
-    A program that waits for ever is read and planned again up to there by `read_again(job, stops passed)`.
+    A program that waits for ever is read and planned again up to there by `read_again(job, stops passed)`; one that
+    works on what others move, all of it (None) as soon as it is known where that stands.
     """
-    marks: dict[str, list[Meeting]] = {}
-    agendas: dict[str, Agenda] = {}
-    for job in jobs:
-        for _ in iter(lambda job=job: job.legs.onward() if job.legs is not None else None, None):  # type: ignore[misc]
-            pass
-        assert job.plan is not None
-        marks[job.channel], agendas[job.channel] = _agenda(job)
-    table = timetable(agendas)
-    meetings = Appointments(table=table, marks=marks)
+    meetings = _appointments(jobs)
+    for _ in range(_ROUNDS if bears_work(jobs) else 0):
+        stale = displaced(jobs, _plans_together(jobs, meetings), _ends_of_waits(jobs, meetings))
+        if not stale:
+            break
+        for job in stale:
+            read_again(job, None)
+        meetings = _appointments(jobs)
+    table = meetings.table
     for job in jobs:
         waits = table.waits[job.channel]
         if table.ends[job.channel] is None:
@@ -93,7 +99,43 @@ def meet(jobs: Sequence[Job], read_again: Callable[[Job, int], None]) -> Appoint
         _delay(job, [wait.seconds for wait in waits])
     jobs[0].findings.extend(findings(meetings))
     jobs[0].findings.extend(_sharing(jobs))
+    if bears_work(jobs):
+        jobs[0].findings.extend(moving_work(jobs))
     return meetings
+
+
+def _appointments(jobs: Sequence[Job]) -> Appointments:
+    """When programs meet, all of them planned to their ends."""
+    marks: dict[str, list[Meeting]] = {}
+    agendas: dict[str, Agenda] = {}
+    for job in jobs:
+        for _ in iter(lambda job=job: job.legs.onward() if job.legs is not None else None, None):  # type: ignore[misc]
+            pass
+        assert job.plan is not None
+        marks[job.channel], agendas[job.channel] = _agenda(job)
+    return Appointments(table=timetable(agendas), marks=marks)
+
+
+def _plans_together(jobs: Sequence[Job], meetings: Appointments) -> dict[str, Plan]:
+    """The plans of movers, by their names, with their waits."""
+    found = {}
+    for job in jobs:
+        assert job.plan is not None and job.shop is not None
+        waits = _waits_in(job.plan, [wait.seconds for wait in meetings.table.waits[job.channel]])
+        found[job.shop.name] = _late(job.plan, waits)
+    return found
+
+
+def _ends_of_waits(jobs: Sequence[Job], meetings: Appointments) -> dict[str, list[float]]:
+    """When the waits of each channel end [s]; of one that never ends, when it begins."""
+    return {
+        job.channel: [
+            wait.begin if wait.end is None else wait.end
+            for wait, item in zip(meetings.table.waits[job.channel], meetings.marks[job.channel], strict=False)
+            if is_wait(item)
+        ]
+        for job in jobs
+    }
 
 
 def _sharing(jobs: Sequence[Job]) -> Iterator[Diagnostic]:
@@ -165,17 +207,26 @@ def _delay(job: Job, seconds: Sequence[float]) -> None:
     """Put the waits into the plan of `job`, and let its findings be as late as what they are about."""
     plan = job.plan
     assert plan is not None
-    timed = _meetings(plan.trajectory.events)
-    waits = [(index, event.time, wait) for (index, event), wait in zip(timed, seconds, strict=True) if wait > 0.0]
+    waits = _waits_in(plan, seconds)
     if not waits:
         return
-    job.plan = waiting(plan, with_waits(plan.trajectory, {index: wait for index, _, wait in waits}))
+    job.plan = _late(plan, waits)
 
     def late(time: float) -> float:
         return time + sum(wait for _, begin, wait in waits if begin <= time)
 
     job.findings.change({one: replace(one, time=late(one.time)) for one in job.findings if one.time is not None})
     job.probings = [replace(probing, time=late(probing.time)) for probing in job.probings]
+
+
+def _waits_in(plan: Plan, seconds: Sequence[float]) -> list[tuple[int, float, float]]:
+    """The waits of a plan that last: the number of the event, its time and how long it is waited there [s]."""
+    timed = _meetings(plan.trajectory.events)
+    return [(index, event.time, wait) for (index, event), wait in zip(timed, seconds, strict=False) if wait > 0.0]
+
+
+def _late(plan: Plan, waits: Sequence[tuple[int, float, float]]) -> Plan:
+    return waiting(plan, with_waits(plan.trajectory, {index: wait for index, _, wait in waits}))
 
 
 def findings(meetings: Appointments) -> Iterator[Diagnostic]:

@@ -31,6 +31,7 @@ from gcodesim.planning.arm_caps import ArmCaps
 from gcodesim.planning.arm_joints import ArmJoints
 from gcodesim.planning.axis_posing import offsets
 from gcodesim.planning.bent_ways import report_turning_joints
+from gcodesim.planning.borne_work import BorneWork
 from gcodesim.planning.configuration import Hindrance, on_branches
 from gcodesim.planning.external_choice import ChosenPlaces, choose_places
 from gcodesim.planning.flange import Flange
@@ -93,6 +94,8 @@ class FixedAttitude:
     With a `surface` the words are directions along its normals.
 
     What `grips` hold weighs on the motors.
+
+    `borne` is work that other programs move: the arm goes by joints to where it stands then.
     """
 
     frames: Mapping[int, Array] = field(default_factory=dict)
@@ -115,6 +118,7 @@ class FixedAttitude:
     obstacles: Obstacles | None = None
     surface: SurfaceAxis | None = None
     grips: Grips | None = None
+    borne: BorneWork | None = None
 
     @property
     def understands(self) -> frozenset[Commanded]:
@@ -144,9 +148,14 @@ class FixedAttitude:
             path, goals = self.stands.driven(path, kinematics, at_rest, findings)
         path = _seen_from_base(path, self.X_BM)
         self._report_words(path, kinematics, findings)
+        shifts = None
+        if self.borne is not None:
+            path, shifts = self.borne.carried(path), self.borne.shifts_between(path)
         bend = self._bends(path)
         held = self.held if self._holds_bend(bend) else None
-        rows = with_joint_rows(path, self.R_BO(path), joint_rapids=self.joint_rapids, held=held, bend=bend)
+        rows = with_joint_rows(
+            path, self.R_BO(path), joint_rapids=self.joint_rapids, held=held, bend=bend, shifts=shifts
+        )
         path = rows.path
         R_BO, bend = self.R_BO(path), self._bends(path)
         guide = self._guide(path)
@@ -284,10 +293,11 @@ class FixedAttitude:
         if law is None and self.outside is None:
             return None
         table = np.array([self.axes.get(state.system, np.eye(3)) for state in path.states]).reshape(-1, 3, 3)
+        axes = table[path.state]
         numbers = np.array([self.platforms.get(state.system, GROUND) for state in path.states], dtype=np.int64)
         return Guide(
             law=law,
-            axes=table[path.state],
+            axes=axes if self.borne is None else self.borne.turned(path, axes),
             outside=self.outside,
             platform=numbers[path.state],
             words_at=None if self.surface is None else self._words_at,
@@ -373,8 +383,9 @@ class FixedAttitude:
 
     def after(self, leg: JointPath, path: ToolPath, home: Array) -> FixedAttitude:
         """The spin stays as chosen, and the attitude is held except at home."""
+        borne = None if self.borne is None else self.borne.after(path)
         if not isinstance(leg, ArmJoints) or not len(path):
-            return self
+            return replace(self, borne=borne)
         held = None if path.kind[-1] == HOME else self.R_BO(path)[-1]
         outside = self.outside
         if outside is not None and len(leg.q_nodes):
@@ -390,13 +401,14 @@ class FixedAttitude:
             held_bend=None if bend is None else bend[-1],
             stands=None if self.stands is None else self.stands.after(path),
             grips=leg.grips,
+            borne=borne,
         )
 
     def R_BO(self, path: ToolPath) -> Array:
         """Axes of O in B for every row of `path` (n, 3, 3)."""
         table = np.array([self.frames.get(state.system, self.upright) for state in path.states]).reshape(-1, 3, 3)
         rows: Array = table[path.state]
-        return rows
+        return rows if self.borne is None else self.borne.turned(path, rows)
 
 
 def _directions(directions: Array, before: Array) -> Array:

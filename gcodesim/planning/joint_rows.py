@@ -33,27 +33,34 @@ class JointRows:
 
 
 def with_joint_rows(
-    path: ToolPath, R_BO: Array, *, joint_rapids: bool, held: Array | None = None, bend: Array | None = None
+    path: ToolPath,
+    R_BO: Array,
+    *,
+    joint_rapids: bool,
+    held: Array | None = None,
+    bend: Array | None = None,
+    shifts: NDArray[np.bool_] | None = None,
 ) -> JointRows:
     """Find the joint rows of `path`; where a feed would need one before it, a move on the spot is inserted.
 
     R_BO (n, 3, 3) is the orientation of each row. `joint_rapids`: all of G0 in joint space. `held` (3, 3) is the
     orientation that the tool has already, None when it has none yet. With another `bend` (n, 4, 4) of the tool the
-    flange stands elsewhere, so there is a joint row too.
+    flange stands elsewhere, so there is a joint row too; so it is where the work `shifts` (n,) before a row.
     """
     home = path.kind == HOME
+    shifts = np.zeros(len(path), dtype=bool) if shifts is None else shifts
     turned = np.zeros(len(path), dtype=bool)
     if len(path):
         same = np.all(np.abs(R_BO[1:] - R_BO[:-1]) < 1e-12, axis=(1, 2))
         if bend is not None:
             same &= np.all(np.abs(bend[1:] - bend[:-1]) < 1e-12, axis=(1, 2))
-        turned[1:] = ~same | home[:-1]
+        turned[1:] = ~same | home[:-1] | shifts[1:]
         turned[0] = True
     rapid = path.kind == RAPID
     joint = home | (turned & rapid)
     if joint_rapids:
         joint |= rapid
-    elif len(path) and held is not None and np.all(np.abs(R_BO[0] - held) < 1e-12):
+    elif len(path) and held is not None and not shifts[0] and np.all(np.abs(R_BO[0] - held) < 1e-12):
         joint[0] = home[0]  # a move that starts on the spot, straight like any other
     before = np.flatnonzero(turned & ~joint)
     if not len(before):

@@ -23,21 +23,26 @@ from gcodesim.shop import Shop
 from gcodesim.solids import triangles_of
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from gcodesim.kinematics.attitude import AttitudeLaw
+    from gcodesim.planning.bearers import Bearers
+    from gcodesim.planning.borne_work import BorneWork
     from gcodesim.planning.fixed_attitude import FixedAttitude
     from gcodesim.planning.grips import Grips
     from gcodesim.planning.guide import Outside
     from gcodesim.planning.loads import Loads, Motors, TipPush
     from gcodesim.planning.obstacles import Obstacles
+    from gcodesim.planning.plan import Plan
     from gcodesim.planning.stands import Stands
     from gcodesim.planning.surface_axis import SurfaceAxis
     from gcodesim.tools.tool import Tool
 
 
-def posing_of(shop: Shop, obstacles: Obstacles | None = None) -> Posing:
+def posing_of(shop: Shop, obstacles: Obstacles | None = None, borne: BorneWork | None = None) -> Posing:
     """A machine whose joints are the axes is commanded by them; an arm holds the tool as the cell says.
 
-    What an arm chooses keeps clear of `obstacles`.
+    What an arm chooses keeps clear of `obstacles`. Work that others move is where `borne` says, else as at the start.
     """
     if shop.mover.joints_are_axes:
         independent = shop.mover.rapids == "independent"
@@ -47,10 +52,10 @@ def posing_of(shop: Shop, obstacles: Obstacles | None = None) -> Posing:
         if tool is None:
             return AxisPosing(independent_rapids=independent)
         return AxisAttitude(tool=tool, independent_rapids=independent, surface=_surface(shop))
-    return _fixed_attitude(shop, obstacles)
+    return _fixed_attitude(shop, obstacles, borne)
 
 
-def _fixed_attitude(shop: Shop, obstacles: Obstacles | None) -> FixedAttitude:
+def _fixed_attitude(shop: Shop, obstacles: Obstacles | None, borne: BorneWork | None) -> FixedAttitude:
     """The frame O for every work system, in base axes: T's Z is along the axis that the cell names."""
     from gcodesim.planning.fixed_attitude import FixedAttitude
 
@@ -86,7 +91,23 @@ def _fixed_attitude(shop: Shop, obstacles: Obstacles | None) -> FixedAttitude:
         stands=_stands(shop, outside),
         obstacles=obstacles,
         grips=_grips(shop),
+        borne=borne or _borne_at_home(shop),
     )
+
+
+def bearers_of(shop: Shop, plans: Mapping[str, Plan]) -> Bearers | None:
+    """What bears the work systems of a shop that others move, by their plans; None where there is nothing like that."""
+    borne = shop.placement.borne
+    if not borne:
+        return None
+    from gcodesim.planning.bearers import Bearers
+
+    return Bearers(scene=shop.scene, links=borne, zero=shop.cell.platforms, plans=plans)
+
+
+def _borne_at_home(shop: Shop) -> BorneWork | None:
+    bearers = bearers_of(shop, {})
+    return None if bearers is None else bearers.after_waits((), shop.X_WB)
 
 
 def _grips(shop: Shop) -> Grips | None:

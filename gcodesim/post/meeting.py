@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from gcodesim.diagnostics import Span
 from gcodesim.frozen import frozen
-from gcodesim.jobs.marks import is_mark
+from gcodesim.planning.marks import is_mark
 from gcodesim.post.moves import RobotAwait, RobotHalt, RobotStep, RobotSwitch
 
 if TYPE_CHECKING:

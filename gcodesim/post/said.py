@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Final
 
 from gcodesim import canon
 from gcodesim.diagnostics import Diagnostic, Severity, Span
-from gcodesim.jobs.marks import is_mark
+from gcodesim.planning.marks import is_mark
 from gcodesim.post.moves import Remark, RobotCall, RobotHalt, RobotStep, RobotSwitch, RobotWait
 from gcodesim.units import RPM
 

@@ -201,7 +201,7 @@ class Frames:
 
     def _on_platforms(self, q: Array, X_WP: Array, systems: NDArray[np.int64]) -> Array:
         shop, X = self.shop, X_WP.copy()
-        still = shop.cell.machine_of(shop.channel).platforms
+        still = shop.cell.platforms
         for system, link in shop.placement.platforms.items():
             here = systems == system
             if here.any():

@@ -113,6 +113,7 @@ class Recorder:
         self._step_ns = job.cell.simulation.step_ns
         self._period_ns = log_period_ns(job)
         self._frames = Frames.of(self._shop, prefix)
+        self._bearers = job.bearers
         self._systems = work_systems(self._shop, self._plan.path)
         self._speeds = np.array([state.spindle for state in self._plan.path.states])
         self._ways = Ways.of(self._plan, self._shop)
@@ -439,6 +440,8 @@ class Recorder:
         state = path.state[row] if len(path) else np.zeros(len(row), int)
         systems = np.array([own.system for own in path.states], dtype=np.int64)[state]
         part = self._frames.carried(q, self._systems[state], systems)
+        if self._bearers is not None:
+            part = self._bearers.carried(part, systems, came["t_ns"] * 1e-9)
         errors, local = np.empty((len(row), 2)), np.empty((len(row), 3))
         compare(target, X_WT, part, errors, local)
         wrench = _in_world(X_WB.R, came["wrench"])

@@ -15,6 +15,7 @@ from gcodesim.checks.idle import idle_findings
 from gcodesim.diagnostics import Diagnostic, Findings, Severity, SourceText, Span
 from gcodesim.jobs.cast import cast_of, is_of_cell
 from gcodesim.jobs.job import KINEMATIC, Job, Options
+from gcodesim.planning.shop_posing import bearers_of
 from gcodesim.rs274 import Settings, interpret
 from gcodesim.shop import Shop, open_shop
 
@@ -57,8 +58,8 @@ def prepare(program: SourceText, loaded: LoadedCell, options: Options | None = N
     return job
 
 
-def _reread(job: Job, marks: int) -> None:
-    """Read and plan the job again, up to the mark at which its program waits for ever: it passes so many before."""
+def _reread(job: Job, marks: int | None) -> None:
+    """Read and plan the job again; up to the mark at which its program waits for ever, if it passes so many before."""
     of_cell = [finding for finding in job.findings if is_of_cell(finding, job)]
     job.findings, job.plan, job.events, job.probings = Findings(), None, (), []
     _read_and_plan(job, running=("", job.channel), marks=marks)
@@ -99,7 +100,7 @@ def _read_and_plan(job: Job, running: Sequence[str], marks: int | None = None) -
     job.findings.extend(standing)
     if any(finding.level >= Severity.ERROR for finding in standing):
         return
-    job.shop = shop
+    job.shop, job.bearers = shop, bearers_of(shop, {})
     if not running or job.channel == running[0]:
         job.findings.extend(_world_notes(job))
         job.findings.extend(idle_findings(cell, running or (shop.channel,)))

@@ -151,19 +151,19 @@ def test_faults_of_externals(old: str, new: str, code: str, line: int) -> None:
     assert (code, line) in [(f.code, f.span.line) for f in loaded.findings]
 
 
-def test_a_table_of_another_robot_is_told_whose_it_is() -> None:
+def test_a_table_of_a_robot_is_told_to_a_machine_tool() -> None:
+    """An arm may work there (`test_borne_work.py`)."""
     text = (
-        "gcodesim: 1\nrobots:\n  one: {model: kuka_kr10_r1100_2}\n"
-        "  two: {model: kuka_kr10_r1100_2, base: {in: world, xyz: [1400, 0, 0], rpy: [0, 0, 180]}}\n"
+        "gcodesim: 1\nmachine: gantry_xyz\nrobots:\n  one: {model: kuka_kr10_r1100_2}\n"
         "externals:\n  table: {robot: one, axes: {C: {travel: unlimited, speed: 90 deg/s}}}\n"
         "channels:\n  main: {robot: one, work_offsets: {G54: {in: table}}}\n"
-        "  other: {robot: two, work_offsets: {G54: {in: table}}}\n"
+        "  other: {robot: machine, work_offsets: {G54: {in: table}}}\n"
     )
     loaded = read_cell(SourceText("cell.yaml", text.encode()), Path("cell.yaml"))
 
     (fault,) = loaded.findings
     assert (fault.code, fault.span.line) == ("GS712", 9)
-    assert "`one`" in fault.message and "its own robot" in fault.hint
+    assert "`one`" in fault.message and "its own table" in fault.hint
 
 
 def test_a_letter_is_there_once() -> None:

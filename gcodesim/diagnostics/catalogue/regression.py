@@ -243,6 +243,22 @@ CODES: tuple[Code, ...] = (
         remedy="Add the stand to `stands` of the magazine.",
     ),
     Code(
+        code="GS627",
+        severity=Severity.ERROR,
+        title="Work moves under another program",
+        what=(
+            "An arm works in a system that stands on a positioner of another program, and that program moves it "
+            "meanwhile. The arm goes to where the work stands at each of its waits and takes it to stand still until "
+            "the next one; it does not follow a motion in between. Looked at every 10 ms."
+        ),
+        why="The tool is elsewhere on the work than the program says, and cuts there.",
+        remedy=(
+            "Let both programs come to a mark before the positioner moves and to another one when it has come to rest. "
+            "Where the tool has to work while the positioner turns, let one program command both: `robot:` of the "
+            "external names the arm that works there, and its letters become words of that program."
+        ),
+    ),
+    Code(
         code="GS630",
         severity=Severity.ERROR,
         title="Run beyond a limit of its study",
