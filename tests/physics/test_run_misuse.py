@@ -116,7 +116,7 @@ def test_a_tool_that_starts_inside_the_stock_cuts_nothing() -> None:
 
 def test_a_process_left_on() -> None:
     ran = run_texts(
-        "G21 G90 G61\nT1 M6\nG43 H1\nG0 X0 Y0 Z3\nM10\nG1 X40 F3000\nM2\n",
+        "G21 G90 G61\nT1 M6\nG43 H1\nG0 X10 Y20 Z3\nM10\nG1 X40 F3000\nM2\n",
         GANTRY + "tools:\n  1: {type: extruder, bead_width: 6, bead_height: 3, length: 100}\n"
         "m_codes:\n  M10: {tool: activate}\n  M11: {tool: deactivate}\n",
     )
