@@ -17,6 +17,7 @@ from gcodesim.material.field_kernels import (
 )
 from gcodesim.material.form_kernels import remove_form, touch_form
 from gcodesim.material.loose_kernels import BodyWays
+from gcodesim.material.near_wall_kernels import NearWall, wall_near, walled_at
 from gcodesim.material.pass_kernels import PassPieces
 from gcodesim.material.place_kernels import (
     ELSEWHERE,
@@ -52,6 +53,7 @@ __all__ = [
     "BodyWays",
     "Field",
     "Found",
+    "NearWall",
     "PassPieces",
     "Places",
     "Scratch",
@@ -86,4 +88,6 @@ __all__ = [
     "touch_piece",
     "underside",
     "volume_of",
+    "wall_near",
+    "walled_at",
 ]

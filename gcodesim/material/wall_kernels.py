@@ -341,6 +341,9 @@ def advance_wall(
         if beyond >= first:
             return set_wall(walls, axis, i, j, side, beyond, held + more, 0.0, 0.0)
         if beyond < second:
+            if first * second < 0.0 and second * beyond >= 0.0:  # only the lower two have a mean
+                second = (second * lower + beyond * more) / (lower + more)
+                return set_wall(walls, axis, i, j, side, first, upper, second, lower + more)
             first, upper, lower = one_place(first, upper, second, lower), held, 0.0
         return set_wall(walls, axis, i, j, side, first, upper, beyond, lower + more)
     rest = held - height

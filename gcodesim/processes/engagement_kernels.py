@@ -26,15 +26,13 @@ from gcodesim.material.kernels import (
     Places,
     ToColumns,
     ask_places,
-    fill_slices,
-    occupancy,
+    share_between,
     to_columns,
 )
 from gcodesim.processes.edge_kernels import (
     ANGLES,
     COS_KAPPA,
     FROM,
-    HEIGHT,
     HIGH,
     LEAST_ADVANCE,
     LOW,
@@ -43,27 +41,32 @@ from gcodesim.processes.edge_kernels import (
     SIN_KAPPA,
     THIN,
     TO,
+    UPRIGHT,
     Circle,
+    Clearance,
     Heading,
     clearance_of,
     plunge_way,
-    probe,
-    turned,
+)
+from gcodesim.processes.limit_kernels import (
+    NO_LIMIT,
+    Limit,
+    Walls,
+    at_row,
+    beside,
+    end_of_side,
+    spot_beyond,
 )
 from gcodesim.processes.seam_kernels import (
-    DROP,
-    LEVER,
-    LIMIT,
     Seams,
     Steps,
-    crossing,
     mark_steps,
+    note_limit,
     note_seams,
-    ramp_at,
     reach_of,
-    set_limit,
     settle_seams,
     share_at,
+    span_of,
 )
 
 Array = NDArray[np.float64]
@@ -163,6 +166,30 @@ def leave_advancing(sines: Array, level: float, sin_kappa: float, fall: float, l
     return bool(unknown > 0)
 
 
+@kernel(lean=True)
+def note_side(
+    field: Field, circle: Circle, tip: Array, heading: Heading, clearance: Clearance, room: Room, i: int,
+    limit: Limit, at_left: bool, number: int,
+) -> int:  # fmt: skip
+    """Add to the first `number` seams that at the limit of row i just inside its rim; how many there are then.
+
+    What `mark_steps` has found of the row then says nothing of that wall.
+    """
+    n, rows = ANGLES // 2, room.rows
+    known, steps = room.places.us[:n], room.places.vs
+    span, outer = span_of(tip, heading, clearance, rows, i), 0 if at_left else n - 1
+    inside = max(span.radius - clearance.aside, 0.0) / span.radius
+    inner = end_of_side(circle, inside, known, at_left)
+    first, last = (0, inner) if at_left else (inner, n - 1)
+    spot = spot_beyond(tip, heading, span, clearance, limit, at_left)
+    room.weights[i, outer] = share_between(field, spot.x, spot.y, spot.bottom, spot.top)
+    for k in range(first, last + 1):
+        known[k], steps[k] = known[inner], 0.0
+    rows[i, FROM], rows[i, TO] = min(rows[i, FROM], first), max(rows[i, TO], last + 1)
+    note_limit(room.seams, number, i, first, last, limit.angle)
+    return number + 1
+
+
 @kernel(lean=True, inlined=True)
 def contact_of_rows(
     field: Field, circle: Circle, tip: Array, heading: Heading, room: Room, first: int, number: int, last: int
@@ -182,6 +209,10 @@ def contact_of_rows(
     columns = to_columns(field, tip, ux, uy)
     sines, rows, weights = circle.sines, room.rows, room.weights
     found, waiting = False, 0
+    span = span_of(tip, heading, clearance, rows, first + number - 1)
+    at_left = beside(field, columns, tip, heading, clearance, span, 1.0, room.load)
+    at_right = beside(field, columns, tip, heading, clearance, span, -1.0, room.load)
+    walled = at_left.angle != NO_LIMIT or at_right.angle != NO_LIMIT
     for i in range(first, first + number):
         sin_kappa, fall = rows[i, SIN_KAPPA], climb * rows[i, COS_KAPPA]
         least_way = plunge_way(rows, i, cell, level) if climb < 0.0 else 0.0
@@ -203,83 +234,20 @@ def contact_of_rows(
         known, steps = room.places.us[:last], room.places.vs[:last]  # the places are no longer needed
         left = mark_steps(sines, level, sin_kappa, fall, line, known, steps)
         rows[i, FROM], rows[i, TO] = reach_of(known, steps)
+        if walled and behind == 0 and sin_kappa > UPRIGHT:
+            span = span_of(tip, heading, clearance, rows, i)
+            limit = at_row(at_left, tip, heading, clearance, span, known[0], True)
+            if limit.angle != NO_LIMIT:
+                waiting = note_side(field, circle, tip, heading, clearance, room, i, limit, True, waiting)
+            limit = at_row(at_right, tip, heading, clearance, span, known[ANGLES // 2 - 1], False)
+            if limit.angle != NO_LIMIT:
+                waiting = note_side(field, circle, tip, heading, clearance, room, i, limit, False, waiting)
         if left > 0:
             waiting = note_seams(
                 circle, tip, heading, clearance, rows, i, Steps(known, steps), left, room.seams, waiting
             )
         found = found or rows[i, TO] > rows[i, FROM]
     if waiting > 0:
-        settle_seams(field, tip, heading, clearance, rows, waiting, room.seams, weights)
+        walls = Walls(at_left, at_right)
+        settle_seams(field, tip, heading, clearance, rows, waiting, room.seams, weights, walls)
     return waiting if found else NOWHERE
-
-
-@kernel(lean=True, inlined=True)
-def contact_of_cylinder(
-    field: Field, circle: Circle, tip: Array, heading: Heading, room: Room, first: int, number: int
-) -> int:
-    """The same for all rows of a cylinder at once, first..first+number: they stand above each other and share seams."""
-    ux, uy, level, climb = heading
-    _, ahead, aside = clearance_of(field, heading)
-    half = ANGLES // 2
-    rows, weights, line, share = room.rows, room.weights, room.line, room.share[:half]
-    radius, widest = rows[first, RADIUS], rows[first, OUTER]
-    bottom, top = tip[2] + rows[first, LOW], tip[2] + rows[first + number - 1, HIGH]
-    height = (top - bottom) / number
-    ring, places = Ring(radius, widest + ahead, ahead, max(radius - aside, 0.0), 0.0), places_at(room, 0, half)
-    columns = to_columns(field, tip, ux, uy)
-    lay_places(part_of(circle, 0, half), ring, heading, columns, places)
-    ask_places(columns, places, bottom, top, share)
-    begin, end = half, 0
-    for k in range(half):
-        sine, cosine = circle.sines[k], circle.cosines[k]
-        if level * sine <= LEAST_ADVANCE:
-            weights[first : first + number, k] = 0.0
-            share[k] = ELSEWHERE
-            continue
-        if share[k] == 0.0 or share[k] >= 1.0 - 1.0e-9:  # all of it, or nothing
-            total = 0.0 if share[k] == 0.0 else 1.0
-            for i in range(number):
-                weights[first + i, k] = total
-        else:
-            px, py, way = probe(radius, widest, sine, cosine, ahead, aside, level)
-            x, y = tip[0] + ux * px - uy * py, tip[1] + uy * px + ux * py
-            z0 = bottom + climb * way
-            total = fill_slices(field, x, y, z0, height, line[:number]) / number
-            for i in range(number):
-                weights[first + i, k] = line[i]
-        share[k] = total
-        if total > 0.0:
-            begin = min(begin, k)
-            end = k + 1
-    done, seams, numbers = 1, 0, room.seams.numbers
-    for k in range(1, half):
-        earlier, total = share[k - 1], share[k]
-        if k < done or earlier < 0.0 or total < 0.0 or abs(total - earlier) <= 0.5 * max(total, earlier):
-            continue
-        from_k, to_k, after = ramp_at(share, k)
-        middle_share, rises = 0.5 * (share[from_k] + share[to_k]), total > earlier
-        least, most, low, high = 0.0, 1.0, share[after - 1], share[after]
-        for _ in range(4):
-            middle = 0.5 * (least + most)
-            sine, cosine = turned(circle.sines[after - 1], circle.cosines[after - 1], middle * (2.0 * np.pi / ANGLES))
-            px, py, way = probe(radius, widest, sine, cosine, ahead, aside, level)
-            z0, z1 = bottom + climb * way, top + climb * way
-            x, y = tip[0] + ux * px - uy * py, tip[1] + uy * px + ux * py
-            between = occupancy(field, x, y, z0, z1)
-            if (between > middle_share) == rises:
-                most, high = middle, between
-            else:
-                least, low = middle, between
-        limit = after - 0.5 + crossing(least, most, low, high, middle_share)
-        drop, lever = 0.0, 0.0
-        for i in range(first, first + number):
-            own = set_limit(weights, i, from_k, to_k, limit)
-            drop += own
-            lever += own * rows[i, HEIGHT]
-        numbers[LIMIT, seams], numbers[DROP, seams], numbers[LEVER, seams] = limit, drop, lever
-        seams += 1
-        begin, end, done = min(begin, from_k), max(end, to_k + 1), to_k + 1
-    weights[first : first + number, half:] = 0.0
-    rows[first : first + number, FROM] = begin
-    rows[first : first + number, TO] = end
-    return seams if end > begin else NOWHERE

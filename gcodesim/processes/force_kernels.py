@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from gcodesim.arithmetic.power_kernels import power
 from gcodesim.compiled import kernel
 from gcodesim.material.kernels import Field, coarsest
+from gcodesim.processes.cylinder_kernels import contact_of_cylinder
 from gcodesim.processes.edge_kernels import (
     ANGLES,
     ARC,
@@ -40,7 +41,7 @@ from gcodesim.processes.edge_kernels import (
     lay_rows,
     turned,
 )
-from gcodesim.processes.engagement_kernels import NOWHERE, Room, contact_of_cylinder, contact_of_rows
+from gcodesim.processes.engagement_kernels import NOWHERE, Room, contact_of_rows
 from gcodesim.processes.law_kernels import COSINE, GROWN, GROWN_COSINE, GROWN_SINE, SINE, TABLE, power_at
 from gcodesim.processes.seam_kernels import DROP, LEVER, LIMIT, ROW
 

@@ -33,11 +33,19 @@ from gcodesim.processes.edge_kernels import (
     probe,
     turned,
 )
+from gcodesim.processes.limit_kernels import (
+    NO_LIMIT,
+    SAME_SHARE,
+    Span,
+    Spot,
+    Walls,
+    is_at,
+    of_radius,
+)
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
-SAME_SHARE = 0.02  # up to which the shares of two angles are the same but for what earlier cuts have left
 HALVINGS = 4
 SEAMS = SLICES * ANGLES + 8  # for which there is room: more than a piece can have, and no power of two apart in memory
 
@@ -48,12 +56,13 @@ PLACES = 4
 # Rows of `Seams.numbers`: half of the change, and whether it rises (1 or 0); sine and cosine of the angle before
 # `after`; radius, largest radius, lowest and highest place of the row, and the least way to ask ahead [m]; the parts of
 # an angle between which the search goes on, and the shares there; where to ask next [m], and the share there; the limit
-# that was found [angles], what the row has before it less what it has behind it, and that times its height [m].
+# that was found [angles], what the row has before it less what it has behind it, and that times its height [m]; the
+# limit if a wall has told it before, or NO_LIMIT.
 (
     HALF, RISES, SINE, COSINE, RADII, OUTERS, LOWS, HIGHS, WAYS, LEAST, MOST, SHARE_LEAST, SHARE_MOST,
-    X, Y, BOTTOM, TOP, SHARE, LIMIT, DROP, LEVER,
-) = range(21)  # fmt: skip
-NUMBERS = 21
+    X, Y, BOTTOM, TOP, SHARE, LIMIT, DROP, LEVER, TOLD,
+) = range(22)  # fmt: skip
+NUMBERS = 22
 
 
 class Seams(NamedTuple):
@@ -214,7 +223,7 @@ def note_seams(
         numbers[LOWS, number], numbers[HIGHS, number] = tip[2] + rows[i, LOW], tip[2] + rows[i, HIGH]
         falling = heading.climb < 0.0
         numbers[WAYS, number] = plunge_way(rows, i, clearance.cell, heading.level) if falling else 0.0
-        numbers[LEAST, number], numbers[MOST, number] = 0.0, 1.0
+        numbers[LEAST, number], numbers[MOST, number], numbers[TOLD, number] = 0.0, 1.0, NO_LIMIT
         numbers[SHARE_LEAST, number], numbers[SHARE_MOST, number] = known[after - 1], known[after]
         begin, end, done = min(begin, first), max(end, last + 1), last + 1
         number += 1
@@ -263,11 +272,51 @@ def narrow(
 
 
 @kernel(lean=True)
+def span_of(tip: Array, heading: Heading, clearance: Clearance, rows: Array, i: int) -> Span:
+    """Row i as it meets a wall."""
+    least_way = plunge_way(rows, i, clearance.cell, heading.level) if heading.climb < 0.0 else 0.0
+    bottom = tip[2] + rows[i, LOW] + min(0.5 * (1.0 - heading.level) * clearance.cell * heading.climb, 0.0)
+    return Span(rows[i, RADIUS], bottom, max(tip[2] + rows[i, HIGH], bottom + THIN), least_way)
+
+
+@kernel(lean=True)
+def tell_limits(
+    tip: Array, heading: Heading, clearance: Clearance, spots: Spots, seams: Seams, walls: Walls
+) -> bool:  # fmt: skip
+    """Which of the first n seams, at the spots (n,), are at one of the walls; whether any is at neither."""
+    places, numbers = seams
+    rest = False
+    for k in range(spots.xs.shape[0]):
+        if numbers[TOLD, k] != NO_LIMIT:
+            continue
+        spot = Spot(spots.xs[k], spots.ys[k], spots.bottoms[k], spots.tops[k])
+        if is_at(walls.left, tip, heading, clearance, spot):
+            angle = of_radius(walls.left, numbers[RADII, k]).angle
+        elif is_at(walls.right, tip, heading, clearance, spot):
+            angle = of_radius(walls.right, numbers[RADII, k]).angle
+        else:
+            rest = True
+            continue
+        numbers[TOLD, k] = angle if places[AFTER, k] < ANGLES // 2 else ANGLES - angle  # met in front and behind
+    return rest
+
+
+@kernel(lean=True)
+def note_limit(seams: Seams, number: int, i: int, first: int, last: int, limit: float) -> None:
+    """Make seam `number` one of row i whose limit is known, between the angles `first` and `last`."""
+    places, numbers = seams
+    places[ROW, number], places[FIRST, number], places[LAST, number], places[AFTER, number] = i, first, last, last
+    for what in range(NUMBERS):
+        numbers[what, number] = 0.0
+    numbers[TOLD, number] = limit
+
+
+@kernel(lean=True)
 def settle_seams(
     field: Field, tip: Array, heading: Heading, clearance: Clearance, rows: Array, number: int, seams: Seams,
-    weights: Array,
+    weights: Array, walls: Walls,
 ) -> None:  # fmt: skip
-    """Find the first `number` seams by halving, and share out the weights (rows, ANGLES) there."""
+    """Find the first `number` seams, and share out the weights (rows, ANGLES) there; by halving where no wall is."""
     places, numbers = seams.places, seams.numbers[:, :number]
     least, most, half, share = numbers[LEAST], numbers[MOST], numbers[HALF], numbers[SHARE]
     share_least, share_most = numbers[SHARE_LEAST], numbers[SHARE_MOST]
@@ -275,8 +324,11 @@ def settle_seams(
     at_seams = SeamRows(
         numbers[SINE], numbers[COSINE], numbers[RADII], numbers[OUTERS], numbers[LOWS], numbers[HIGHS], numbers[WAYS]
     )
-    for _ in range(HALVINGS):
+    known = walls.left.angle != NO_LIMIT or walls.right.angle != NO_LIMIT
+    for halving in range(HALVINGS):
         lay_spots(tip, heading, clearance, at_seams, least, most, spots)
+        if halving == 0 and known and not tell_limits(tip, heading, clearance, spots, seams, walls):
+            break
         if ask_spots(field, spots, share):
             for k in range(number):
                 if share[k] == ELSEWHERE:
@@ -286,6 +338,6 @@ def settle_seams(
         narrow(share, half, numbers[RISES], least, most, share_least, share_most)
     for k in range(number):
         i, where = places[ROW, k], crossing(least[k], most[k], share_least[k], share_most[k], half[k])
-        limit = places[AFTER, k] - 0.5 + where
+        limit = places[AFTER, k] - 0.5 + where if numbers[TOLD, k] == NO_LIMIT else numbers[TOLD, k]
         drop = set_limit(weights, i, places[FIRST, k], places[LAST, k], limit)
         numbers[LIMIT, k], numbers[DROP, k], numbers[LEVER, k] = limit, drop, drop * rows[i, HEIGHT]

@@ -139,6 +139,15 @@ def test_a_third_place_counts_with_the_nearer():
     assert gains == pytest.approx([1.0, 0.0, 1.0, 0.0])
 
 
+def test_a_sliver_at_the_top_moves_no_wall_below_it():
+    """A face mill has left a step of some nanometres half a cell further than the walls of two levels below it."""
+    gains, walls = at_border((0.25, 1e-6, 1e-6, 0.0), (-0.25, 2.0, 2.0, 0.0), (-0.375, 4.0, 2.0, 0.0))
+
+    assert walls[:, 2, 1][[0, 2]] == pytest.approx([2.25, 1e-6])
+    assert walls[:, 2, 1][[4, 6]] == pytest.approx([-0.3125, 4.0], abs=1e-5)  # the volume of both
+    assert sum(gains) == pytest.approx(-1.25, abs=1e-5)
+
+
 def test_the_foot_of_a_wall_on_a_slope_counts_at_the_border():
     gains, _ = at_border((0.25, 3.0, 3.0, 0.5), (0.125, 3.4, 0.4, 0.5), (0.125, 5.0, 2.0, 0.5))
     assert gains == pytest.approx([0.75, 0.0, 0.25])
