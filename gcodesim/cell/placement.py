@@ -224,10 +224,9 @@ def _on_link(cell: Cell, standing: Standing) -> Carried | None:
 def _platform_of(cell: Cell, standing: Standing) -> tuple[str, Pose] | None:
     """The link that external axes move, on which something stands, and the frame there at zero in W."""
     on = _on_link(cell, replace(standing, xyz=(0.0, 0.0, 0.0), rpy=(0.0, 0.0, 0.0)))
-    platforms = cell.platforms
-    if on is None or on.link not in platforms:
+    if on is None or on.link not in cell.platforms:
         return None
-    return on.link, platforms[on.link] @ on.X
+    return on.link, cell.platforms[on.link] @ on.X
 
 
 def _offset(cell: Cell, X_WM: Pose, X_WB: Pose, standing: Standing) -> Pose:

@@ -39,7 +39,7 @@ class NearWall(NamedTuple):
     foot: float
 
 
-class Crossing(NamedTuple):
+class WallCrossing(NamedTuple):
     """Where a wall crosses from the centre of a column to the next [cells], or UNKNOWN; down to which height [m]."""
 
     place: float
@@ -56,7 +56,7 @@ def top_of(columns: Columns, i: int, j: int, low: float, high: float) -> float:
 
 
 @kernel(lean=True, inlined=True)
-def crossing_of(field: Field, axis: int, i: int, j: int, first_stands: bool, height: float) -> Crossing:
+def crossing_of(field: Field, axis: int, i: int, j: int, first_stands: bool, height: float) -> WallCrossing:
     """Where a wall crosses from the centre of a column to that of (i, j), the next one along an axis.
 
     UNKNOWN where no upright tool has left a wall of this height [m].
@@ -65,10 +65,10 @@ def crossing_of(field: Field, axis: int, i: int, j: int, first_stands: bool, hei
     shape = columns.number.shape
     number, last = (i, shape[0]) if axis == 0 else (j, shape[1])
     if number == 0 or number == last:
-        return Crossing(UNCUT, LOWEST)
+        return WallCrossing(UNCUT, LOWEST)
     place = float(walls[axis, i, j])
     if place == 0.0 or (place > 0.0) != first_stands:
-        return Crossing(UNKNOWN, LOWEST)
+        return WallCrossing(UNKNOWN, LOWEST)
     stands_i = i - 1 if first_stands and axis == 0 else i
     stands_j = j - 1 if first_stands and axis == 1 else j
     top, beyond = columns.hi[stands_i, stands_j, 0], abs(place) - 2.0
@@ -76,9 +76,9 @@ def crossing_of(field: Field, axis: int, i: int, j: int, first_stands: bool, hei
     if foot > height:
         foot -= float(walls[LOWER + axis, i, j])
         if foot > height:
-            return Crossing(UNKNOWN, foot)
+            return WallCrossing(UNKNOWN, foot)
         beyond = float(walls[SECOND + axis, i, j])
-    return Crossing(UNCUT - beyond if first_stands else UNCUT + beyond, foot)
+    return WallCrossing(UNCUT - beyond if first_stands else UNCUT + beyond, foot)
 
 
 @kernel(lean=True, inlined=True)

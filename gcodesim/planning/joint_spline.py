@@ -80,7 +80,8 @@ def _grid(u: Array) -> Array:
     share = np.arange(_PARTS) / _PARTS
     shares = np.tile(share, (len(u) - 1, 1))
     shares[0] *= shares[0]
-    shares[-1] = 1.0 - (1.0 - shares[-1]) ** 2 if len(u) > 2 else share * share * (3.0 - 2.0 * share)
+    back = 1.0 - shares[-1]
+    shares[-1] = 1.0 - back * back if len(u) > 2 else share * share * (3.0 - 2.0 * share)
     return np.append((u[:-1, None] + shares * np.diff(u)[:, None]).ravel(), u[-1])
 
 
@@ -119,7 +120,7 @@ def _most(u: Array, q: Array, slopes: Array, grid: Array, speed: Array) -> Array
     at.append(_derivatives(u, q, slopes, grid[1:])[0])
     part = (np.abs(np.array(at)).max(axis=0) / speed).max(axis=1)
     beside = np.maximum(np.append(part, 0.0), np.append(0.0, part))
-    most: Array = 1.0 / np.maximum(beside, 1e-12) ** 2
+    most: Array = 1.0 / (np.maximum(beside, 1e-12) * np.maximum(beside, 1e-12))
     return most
 
 

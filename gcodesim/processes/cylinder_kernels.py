@@ -42,8 +42,8 @@ from gcodesim.processes.engagement_kernels import NOWHERE, Ring, Room, lay_place
 from gcodesim.processes.limit_kernels import (
     FULL,
     NO_LIMIT,
-    Limit,
-    Span,
+    ContactLimit,
+    EdgeBand,
     end_of_side,
     limit_at,
     side_limit,
@@ -59,7 +59,7 @@ SAME_LAYER = 0.5  # [angles] by which the contact of rows of one layer may diffe
 TURNS = 4  # in which a limit is found that no wall tells
 
 
-class Cylinder(NamedTuple):
+class EdgeCylinder(NamedTuple):
     """A cylinder of the edge: its radius, and the largest of the edge [m]; its first row; bottom and height of it [m].
 
     In S; all rows are as high.
@@ -72,7 +72,7 @@ class Cylinder(NamedTuple):
     height: float
 
 
-class Layer(NamedTuple):
+class EdgeLayer(NamedTuple):
     """Rows begin..end of a cylinder."""
 
     begin: int
@@ -80,16 +80,16 @@ class Layer(NamedTuple):
 
 
 @kernel(lean=True, inlined=True)
-def span_of_layer(cylinder: Cylinder, layer: Layer) -> Span:
+def span_of_layer(cylinder: EdgeCylinder, layer: EdgeLayer) -> EdgeBand:
     """The layer as it meets a wall."""
     bottom = cylinder.bottom + layer.begin * cylinder.height
-    return Span(cylinder.radius, bottom, cylinder.bottom + layer.end * cylinder.height, 0.0)
+    return EdgeBand(cylinder.radius, bottom, cylinder.bottom + layer.end * cylinder.height, 0.0)
 
 
 @kernel(lean=True, inlined=True)
 def sample_cylinder(
-    field: Field, circle: Circle, tip: Array, heading: Heading, clearance: Clearance, room: Room, cylinder: Cylinder,
-    measure: Array, most: Array,
+    field: Field, circle: Circle, tip: Array, heading: Heading, clearance: Clearance, room: Room,
+    cylinder: EdgeCylinder, measure: Array, most: Array,
 ) -> bool:  # fmt: skip
     """Fill weights of its rows (number, HALF) and their mean, share (HALF,), at all angles; ELSEWHERE: no advance.
 
@@ -133,16 +133,16 @@ def sample_cylinder(
 
 
 @kernel(lean=True, inlined=True)
-def next_layer(measures: Array, begin: int) -> Layer:
+def next_layer(measures: Array, begin: int) -> EdgeLayer:
     """The layer of rows (n,) with like measures that begins with one."""
     end = begin + 1
     while end < measures.shape[0] and abs(measures[end] - measures[begin]) <= SAME_LAYER:
         end += 1
-    return Layer(begin, end)
+    return EdgeLayer(begin, end)
 
 
 @kernel(lean=True)
-def share_of_layer(room: Room, cylinder: Cylinder, layer: Layer, share: Array) -> None:
+def share_of_layer(room: Room, cylinder: EdgeCylinder, layer: EdgeLayer, share: Array) -> None:
     """The mean of the rows of a layer, into share (HALF,); ELSEWHERE stays."""
     begin, end = cylinder.first + layer.begin, cylinder.first + layer.end
     for k in range(HALF):
@@ -155,7 +155,9 @@ def share_of_layer(room: Room, cylinder: Cylinder, layer: Layer, share: Array) -
 
 
 @kernel(lean=True, inlined=True)
-def note_layer(room: Room, cylinder: Cylinder, layer: Layer, from_k: int, to_k: int, limit: float, seam: int) -> None:
+def note_layer(
+    room: Room, cylinder: EdgeCylinder, layer: EdgeLayer, from_k: int, to_k: int, limit: float, seam: int
+) -> None:
     """Let contact of a layer end at a limit [angles] between two angles, and note it as a seam."""
     drop, lever = 0.0, 0.0
     for i in range(cylinder.first + layer.begin, cylinder.first + layer.end):
@@ -168,16 +170,16 @@ def note_layer(room: Room, cylinder: Cylinder, layer: Layer, from_k: int, to_k: 
 
 
 @kernel(lean=True, inlined=True)
-def above_foot(cylinder: Cylinder, layer: Layer, limit: Limit) -> Layer:
+def above_foot(cylinder: EdgeCylinder, layer: EdgeLayer, limit: ContactLimit) -> EdgeLayer:
     """Those rows of a layer that are above the foot of a wall, at least the highest one."""
     begin = int(np.ceil(min((limit.foot - cylinder.bottom) / cylinder.height - 0.5, layer.end - 1.0)))
-    return Layer(max(begin, layer.begin), layer.end)
+    return EdgeLayer(max(begin, layer.begin), layer.end)
 
 
 @kernel(lean=True, inlined=True)
 def sides_of_layer(
-    field: Field, circle: Circle, tip: Array, heading: Heading, clearance: Clearance, room: Room, cylinder: Cylinder,
-    layer: Layer, share: Array, seam: int,
+    field: Field, circle: Circle, tip: Array, heading: Heading, clearance: Clearance, room: Room,
+    cylinder: EdgeCylinder, layer: EdgeLayer, share: Array, seam: int,
 ) -> tuple[int, int, int]:  # fmt: skip
     """Note the limits of a layer just inside its rim on both sides, from seam number `seam` on.
 
@@ -204,7 +206,7 @@ def sides_of_layer(
             for i in range(number):
                 room.weights[cylinder.first + upper.begin + i, outer] = line[i]
             note_layer(room, cylinder, upper, from_k, to_k, limit.angle, seam)
-            rest, seam, found = Layer(rest.begin, upper.begin), seam + 1, True
+            rest, seam, found = EdgeLayer(rest.begin, upper.begin), seam + 1, True
         if found and at_left:
             first = to_k + 1
         elif found:
@@ -214,8 +216,8 @@ def sides_of_layer(
 
 @kernel(lean=True, inlined=True)
 def limit_between(
-    field: Field, circle: Circle, tip: Array, heading: Heading, clearance: Clearance, room: Room, cylinder: Cylinder,
-    span: Span, share: Array, ramp: tuple[int, int, int],
+    field: Field, circle: Circle, tip: Array, heading: Heading, clearance: Clearance, room: Room,
+    cylinder: EdgeCylinder, span: EdgeBand, share: Array, ramp: tuple[int, int, int],
 ) -> tuple[float, bool]:  # fmt: skip
     """The limit of a layer in the middle of a ramp of its share (HALF,): by its wall, else by halving.
 
@@ -243,8 +245,8 @@ def limit_between(
 
 @kernel(lean=True, inlined=True)
 def seams_of_layer(
-    field: Field, circle: Circle, tip: Array, heading: Heading, clearance: Clearance, room: Room, cylinder: Cylinder,
-    layer: Layer, share: Array, seam: int,
+    field: Field, circle: Circle, tip: Array, heading: Heading, clearance: Clearance, room: Room,
+    cylinder: EdgeCylinder, layer: EdgeLayer, share: Array, seam: int,
 ) -> int:  # fmt: skip
     """Find where contact of a layer begins and ends, and note it from seam number `seam` on; how many there are then.
 
@@ -290,12 +292,12 @@ def contact_of_cylinder(
     """Fill weights[first:first + number] as `contact_of_rows` does, for the rows of a cylinder: the number of seams."""
     clearance, rows = clearance_of(field, heading), room.rows
     bottom, top = tip[2] + rows[first, LOW], tip[2] + rows[first + number - 1, HIGH]
-    cylinder = Cylinder(rows[first, RADIUS], rows[first, OUTER], first, bottom, (top - bottom) / number)
+    cylinder = EdgeCylinder(rows[first, RADIUS], rows[first, OUTER], first, bottom, (top - bottom) / number)
     measures, most = room.places.us[:number], room.places.ups[:number]
     differ = sample_cylinder(field, circle, tip, heading, clearance, room, cylinder, measures, most)
-    share, layer, seams = room.share[:HALF], Layer(0, 0), 0
+    share, layer, seams = room.share[:HALF], EdgeLayer(0, 0), 0
     while layer.end < number:
-        layer = next_layer(measures, layer.end) if differ else Layer(0, number)
+        layer = next_layer(measures, layer.end) if differ else EdgeLayer(0, number)
         if layer.end - layer.begin < number:
             share = room.places.vs[:HALF]
             share_of_layer(room, cylinder, layer, share)

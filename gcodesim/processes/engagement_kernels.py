@@ -50,7 +50,7 @@ from gcodesim.processes.edge_kernels import (
 )
 from gcodesim.processes.limit_kernels import (
     NO_LIMIT,
-    Limit,
+    ContactLimit,
     Walls,
     at_row,
     beside,
@@ -169,7 +169,7 @@ def leave_advancing(sines: Array, level: float, sin_kappa: float, fall: float, l
 @kernel(lean=True)
 def note_side(
     field: Field, circle: Circle, tip: Array, heading: Heading, clearance: Clearance, room: Room, i: int,
-    limit: Limit, at_left: bool, number: int,
+    limit: ContactLimit, at_left: bool, number: int,
 ) -> int:  # fmt: skip
     """Add to the first `number` seams that at the limit of row i just inside its rim; how many there are then.
 

@@ -29,7 +29,7 @@ FULL = 1.0 - 1.0e-9  # from which on a share is all
 SAME_SHARE = 0.02  # up to which the shares of two angles are the same but for what earlier cuts have left
 
 
-class Span(NamedTuple):
+class EdgeBand(NamedTuple):
     """A row as it meets a wall: its radius, its heights above S, and the least way ahead, all [m]."""
 
     radius: float
@@ -38,7 +38,7 @@ class Span(NamedTuple):
     least_way: float
 
 
-class Spot(NamedTuple):
+class EdgeSpot(NamedTuple):
     """Where a row is asked for material, in S [m]."""
 
     x: float
@@ -47,7 +47,7 @@ class Spot(NamedTuple):
     top: float
 
 
-class Limit(NamedTuple):
+class ContactLimit(NamedTuple):
     """Where contact ends [angles from 0 to ANGLES / 2], or NO_LIMIT; and where its wall was seen.
 
     That is how far ahead and how far to the left [m], its slope to the left, and down to which height in S [m].
@@ -61,25 +61,25 @@ class Limit(NamedTuple):
 
 
 @kernel(lean=True, inlined=True)
-def spot_at(tip: Array, heading: Heading, span: Span, px: float, py: float, way: float) -> Spot:
+def spot_at(tip: Array, heading: Heading, span: EdgeBand, px: float, py: float, way: float) -> EdgeSpot:
     """The place (px, py) in K, a `way` [m] ahead of the edge."""
     ux, uy, _, climb = heading
     rise = climb * max(way, span.least_way)
     bottom = span.bottom + rise
-    return Spot(tip[0] + ux * px - uy * py, tip[1] + uy * px + ux * py, bottom, max(span.top + rise, bottom + THIN))
+    return EdgeSpot(tip[0] + ux * px - uy * py, tip[1] + uy * px + ux * py, bottom, max(span.top + rise, bottom + THIN))
 
 
 class Walls(NamedTuple):
     """The limits of the highest row of a piece at the walls to the left and to the right of its axis."""
 
-    left: Limit
-    right: Limit
+    left: ContactLimit
+    right: ContactLimit
 
 
 @kernel(lean=True, inlined=True)
-def no_limit() -> Limit:
+def no_limit() -> ContactLimit:
     """No wall was seen."""
-    return Limit(NO_LIMIT, 0.0, 0.0, 0.0, 0.0)
+    return ContactLimit(NO_LIMIT, 0.0, 0.0, 0.0, 0.0)
 
 
 @kernel(lean=True)
@@ -98,14 +98,14 @@ def angle_at(ahead: float, aside: float, slope: float, radius: float) -> float:
 
 
 @kernel(lean=True, inlined=True)
-def of_radius(limit: Limit, radius: float) -> Limit:
+def of_radius(limit: ContactLimit, radius: float) -> ContactLimit:
     """The limit of a row of another radius [m] at the same wall."""
     angle = angle_at(limit.ahead, limit.aside, limit.slope, radius)
-    return Limit(angle, limit.ahead, limit.aside, limit.slope, limit.foot)
+    return ContactLimit(angle, limit.ahead, limit.aside, limit.slope, limit.foot)
 
 
 @kernel(lean=True, inlined=True)
-def is_at(limit: Limit, tip: Array, heading: Heading, clearance: Clearance, spot: Spot) -> bool:
+def is_at(limit: ContactLimit, tip: Array, heading: Heading, clearance: Clearance, spot: EdgeSpot) -> bool:
     """Whether the wall of a limit passes not more than a cell beside a spot."""
     if limit.angle == NO_LIMIT or 0.5 * (spot.bottom + spot.top) < limit.foot:
         return False
@@ -114,7 +114,7 @@ def is_at(limit: Limit, tip: Array, heading: Heading, clearance: Clearance, spot
     return bool(abs(aside - limit.aside - limit.slope * (ahead - limit.ahead)) <= clearance.aside)
 
 
-class Sight(NamedTuple):
+class SeenWall(NamedTuple):
     """A wall that was seen: whether there is one, how far ahead and to the left of the axis [m], its slope and foot."""
 
     known: bool
@@ -125,19 +125,19 @@ class Sight(NamedTuple):
 
 
 @kernel(lean=True)
-def sight_at(field: Field, tip: Array, heading: Heading, spot: Spot, line: Array) -> Sight:
+def sight_at(field: Field, tip: Array, heading: Heading, spot: EdgeSpot, line: Array) -> SeenWall:
     """The wall near a spot, as it is seen from the tip (3,); line (4,) is room."""
     ux, uy, _, _ = heading
     near = wall_near(field, spot.x, spot.y, spot.bottom, spot.top, ux, uy, line)
     along_x, along_y = spot.x - tip[0], spot.y - tip[1]
     ahead, aside = ux * along_x + uy * along_y, ux * along_y - uy * along_x + near.aside
-    return Sight(near.known, ahead, aside, near.slope, near.foot)
+    return SeenWall(near.known, ahead, aside, near.slope, near.foot)
 
 
 @kernel(lean=True)
 def limit_at(
-    field: Field, tip: Array, heading: Heading, clearance: Clearance, radius: float, spot: Spot, line: Array
-) -> Limit:
+    field: Field, tip: Array, heading: Heading, clearance: Clearance, radius: float, spot: EdgeSpot, line: Array
+) -> ContactLimit:
     """The limit of a row of this radius [m] at the wall near a spot.
 
     The slope of a wall between two columns is that of its ripples; what the wall does as a whole is seen between two
@@ -153,7 +153,7 @@ def limit_at(
         way = BASE * clearance.aside
     ahead, aside = seen.ahead + way, seen.aside + LEAN * seen.slope * way
     ux, uy, _, _ = heading
-    other_spot = Spot(tip[0] + ux * ahead - uy * aside, tip[1] + uy * ahead + ux * aside, spot.bottom, spot.top)
+    other_spot = EdgeSpot(tip[0] + ux * ahead - uy * aside, tip[1] + uy * ahead + ux * aside, spot.bottom, spot.top)
     other = sight_at(field, tip, heading, other_spot, line)
     slope = seen.slope
     if other.known and abs(other.ahead - seen.ahead) > 0.5 * abs(way):
@@ -162,7 +162,7 @@ def limit_at(
             seen = other
         slope *= seen.ahead / between  # of an arc around a centre beside the axis, at its nearer place
     angle = angle_at(seen.ahead, seen.aside, slope, radius)
-    return Limit(angle, seen.ahead, seen.aside, slope, seen.foot)
+    return ContactLimit(angle, seen.ahead, seen.aside, slope, seen.foot)
 
 
 @kernel(lean=True, inlined=True)
@@ -180,8 +180,8 @@ def outermost_ahead(radius: float, heading: Heading, clearance: Clearance) -> fl
 
 @kernel(lean=True)
 def outermost(
-    field: Field, tip: Array, heading: Heading, clearance: Clearance, span: Span, side: float, line: Array
-) -> Limit:
+    field: Field, tip: Array, heading: Heading, clearance: Clearance, span: EdgeBand, side: float, line: Array
+) -> ContactLimit:
     """The limit at a wall not far inside the rim, on the left (1) or on the right (-1).
 
     It is between the columns around the rim, or between those a cell further inside; seen where the tool has not cut
@@ -200,9 +200,9 @@ def outermost(
 
 @kernel(lean=True)
 def beside(
-    field: Field, columns: ToColumns, tip: Array, heading: Heading, clearance: Clearance, span: Span, side: float,
+    field: Field, columns: ToColumns, tip: Array, heading: Heading, clearance: Clearance, span: EdgeBand, side: float,
     line: Array,
-) -> Limit:  # fmt: skip
+) -> ContactLimit:  # fmt: skip
     """The limit at the outermost wall on the left (1) or on the right (-1), between rim and axis, in front."""
     radius, limit = span.radius, no_limit()
     front = radius + clearance.ahead
@@ -218,9 +218,9 @@ def beside(
 
 @kernel(lean=True)
 def side_limit(
-    field: Field, tip: Array, heading: Heading, clearance: Clearance, span: Span, share: float, at_left: bool,
+    field: Field, tip: Array, heading: Heading, clearance: Clearance, span: EdgeBand, share: float, at_left: bool,
     line: Array,
-) -> Limit:  # fmt: skip
+) -> ContactLimit:  # fmt: skip
     """The limit at a wall just inside the rim, of which the outermost angle says that not all is in material."""
     if share >= FULL or share < 0.0:
         return no_limit()
@@ -230,8 +230,8 @@ def side_limit(
 
 @kernel(lean=True, inlined=True)
 def at_row(
-    limit: Limit, tip: Array, heading: Heading, clearance: Clearance, span: Span, share: float, at_left: bool
-) -> Limit:  # fmt: skip
+    limit: ContactLimit, tip: Array, heading: Heading, clearance: Clearance, span: EdgeBand, share: float, at_left: bool
+) -> ContactLimit:  # fmt: skip
     """What `side_limit` says of a row if its wall is the one that another row of the piece has met."""
     if limit.angle == NO_LIMIT or share >= FULL or share < 0.0:
         return no_limit()
@@ -261,7 +261,9 @@ def end_of_side(circle: Circle, inside: float, share: Array, at_left: bool) -> i
 
 
 @kernel(lean=True, inlined=True)
-def spot_beyond(tip: Array, heading: Heading, span: Span, clearance: Clearance, limit: Limit, at_left: bool) -> Spot:
+def spot_beyond(
+    tip: Array, heading: Heading, span: EdgeBand, clearance: Clearance, limit: ContactLimit, at_left: bool
+) -> EdgeSpot:
     """A cell outside the wall of a limit."""
     aside = limit.aside + (clearance.aside if at_left else -clearance.aside)
     return spot_at(tip, heading, span, limit.ahead, aside, clearance.ahead)

@@ -36,8 +36,8 @@ from gcodesim.processes.edge_kernels import (
 from gcodesim.processes.limit_kernels import (
     NO_LIMIT,
     SAME_SHARE,
-    Span,
-    Spot,
+    EdgeBand,
+    EdgeSpot,
     Walls,
     is_at,
     of_radius,
@@ -272,11 +272,11 @@ def narrow(
 
 
 @kernel(lean=True)
-def span_of(tip: Array, heading: Heading, clearance: Clearance, rows: Array, i: int) -> Span:
+def span_of(tip: Array, heading: Heading, clearance: Clearance, rows: Array, i: int) -> EdgeBand:
     """Row i as it meets a wall."""
     least_way = plunge_way(rows, i, clearance.cell, heading.level) if heading.climb < 0.0 else 0.0
     bottom = tip[2] + rows[i, LOW] + min(0.5 * (1.0 - heading.level) * clearance.cell * heading.climb, 0.0)
-    return Span(rows[i, RADIUS], bottom, max(tip[2] + rows[i, HIGH], bottom + THIN), least_way)
+    return EdgeBand(rows[i, RADIUS], bottom, max(tip[2] + rows[i, HIGH], bottom + THIN), least_way)
 
 
 @kernel(lean=True)
@@ -289,7 +289,7 @@ def tell_limits(
     for k in range(spots.xs.shape[0]):
         if numbers[TOLD, k] != NO_LIMIT:
             continue
-        spot = Spot(spots.xs[k], spots.ys[k], spots.bottoms[k], spots.tops[k])
+        spot = EdgeSpot(spots.xs[k], spots.ys[k], spots.bottoms[k], spots.tops[k])
         if is_at(walls.left, tip, heading, clearance, spot):
             angle = of_radius(walls.left, numbers[RADII, k]).angle
         elif is_at(walls.right, tip, heading, clearance, spot):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections import Counter
+from collections import defaultdict
 from functools import cache
 from pathlib import Path
 
@@ -13,7 +13,6 @@ import pytest
 from gcodesim.cell import load_cell
 from gcodesim.diagnostics import SourceText, Span
 from gcodesim.jobs.job import Job, Options
-from gcodesim.motion.tool_path import ToolPath
 from gcodesim.post import LANGUAGES
 from gcodesim.post.from_plan import NotPostedError, Wish, program_of
 from gcodesim.post.language import name_in
@@ -80,29 +79,26 @@ def check_against_the_plan(job: Job, moves: list[RobotMove]) -> None:
     plan = job.plan
     assert plan is not None
     t = plan.trajectory
-    last = {move.span: move for move in moves}
+    ends = _visits([plan.path.span(row) for row in range(len(plan.path))])
     checked = 0
-    for row in range(len(plan.path)):
-        span = plan.path.span(row)
-        move = last.get(span)
-        following = plan.path.span(row + 1) if row + 1 < len(plan.path) else None
-        if move is None or move.blend or span == following or _comes_again(plan.path, span):
+    for span, last_moves in _visits([move.span for move in moves]).items():
+        if len(ends.get(span, ())) != len(last_moves):  # of one of them the robot is told nothing
             continue
-        sample = t.sample(np.array([t.row_end[row] - 1e-9]))
-        if t.sample(t.row_end[row : row + 1]).speed[0] > 1e-9:
-            continue
-        X_BT = plan.tip(plan.joints(sample), sample.row)[0]
-        np.testing.assert_allclose(X_BT[:3, 3], move.to.X_BT.p, atol=1e-5)
-        checked += 1
+        for row, number in zip(ends[span], last_moves, strict=True):
+            move = moves[number]
+            if move.blend or t.sample(t.row_end[row : row + 1]).speed[0] > 1e-9:
+                continue
+            sample = t.sample(np.array([t.row_end[row] - 1e-9]))
+            X_BT = plan.tip(plan.joints(sample), sample.row)[0]
+            np.testing.assert_allclose(X_BT[:3, 3], move.to.X_BT.p, atol=1e-5)
+            checked += 1
     assert checked
 
 
-@cache
-def _rows_of(path: ToolPath) -> Counter[Span]:
-    """How many stretches of rows each block has."""
-    spans = [path.span(row) for row in range(len(path))]
-    return Counter(span for span, _ in itertools.groupby(spans))
-
-
-def _comes_again(path: ToolPath, span: Span) -> bool:
-    return _rows_of(path)[span] > 1
+def _visits(spans: list[Span]) -> dict[Span, list[int]]:
+    """The last place of each stretch of a block, for blocks of a loop one for each time."""
+    last: dict[Span, list[int]] = defaultdict(list)
+    for number, (span, following) in enumerate(itertools.pairwise([*spans, None])):
+        if span is not None and span != following:
+            last[span].append(number)
+    return last
