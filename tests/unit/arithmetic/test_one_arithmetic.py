@@ -37,7 +37,7 @@ POSES = {
         "planning/shop_posing.py",
         "recorder/frames.py",
         "scene/scene.py",
-        "shop.py",
+        *(f"shop/{name}.py" for name in ("blanks", "opening", "shop", "stands", "stocking")),
     ),
     *("checks/machine_bodies.py", "checks/machine_collisions.py", "checks/sharing.py", "jobs/meetings.py"),
     *("session/cell_in_hand.py", "solids/solid.py", "kinematics/assembly.py", "cell/externals.py"),
@@ -118,9 +118,9 @@ def test_what_is_exact_or_made_of_exact_steps_may_stay(line: str) -> None:
 
 
 def test_poses_may_be_joined_where_they_are_and_arrays_may_not() -> None:
-    assert not list(faults("shop.py", "X_WB @ stand.X"))
+    assert not list(faults("shop/stands.py", "X_WB @ stand.X"))
     for line in ("X_WB.R @ v", "X_WB.R.T @ v", "a[0] @ b"):
-        assert list(faults("shop.py", line))
+        assert list(faults("shop/stands.py", line))
 
 
 def test_exceptions_are_still_needed() -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -13,6 +14,7 @@ import gcodesim
 from gcodesim.cell import load_cell
 from gcodesim.cli.folder_tools import FolderTools
 from gcodesim.cli.main import main
+from gcodesim.family import take_back
 
 OWN = """\
 from pathlib import Path
@@ -94,13 +96,14 @@ M2
 
 
 @pytest.fixture
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     monkeypatch.chdir(tmp_path)
     for name, text in (("own.py", OWN), ("cell.yaml", CELL), ("part.nc", PROGRAM)):
         (tmp_path / name).write_text(text)
     for name in [name for name in sys.modules if name.startswith("gcodesim_own_")]:
         del sys.modules[name]  # so that each test sees whether the file is run
-    return tmp_path
+    yield tmp_path
+    take_back()  # what programs in Python were lent; later tests do not know it
 
 
 def _ran(folder: Path) -> bool:
