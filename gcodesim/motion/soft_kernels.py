@@ -21,6 +21,7 @@ from gcodesim.motion.timing_kernels import end_speeds, time_to, trapezoids
 
 SHORTEST: Final = 1e-13  # [s, m] of a phase, or of a place beside a border, that counts
 TRIES: Final = 8  # rounds in which tops are lowered
+FLAT: Final = 1e-9  # [-] change of speed within a phase that is rounding: no slope
 NO_CAP: Final = 1e30
 PIECE, PLACE, SPEED, CHANGE, JERK, DURATION = 0, 1, 2, 3, 4, 5  # columns of phases
 
@@ -126,10 +127,10 @@ def next_top(law: SpanLaw, p: int, window: float) -> tuple[int, int, float]:
     up, even = -1, 0.0
     for k in range(p, len(law.place)):
         a = law.acceleration[k]
-        if a > 0.0:
-            up, even = k, 0.0
-        elif a == 0.0:
+        if abs(a) * law.duration[k] <= FLAT * law.speed[k]:
             even += law.duration[k]
+        elif a > 0.0:
+            up, even = k, 0.0
         elif up >= 0:
             if even < window * (1.0 - 1e-9):
                 return up, k, even

@@ -11,13 +11,14 @@ from gcodesim.frames import Array
 from gcodesim.frozen import frozen
 from gcodesim.motion.blend_kernels import CYCLE
 from gcodesim.motion.timing import Softness
-from gcodesim.planning.jerk_kernels import SoftColumns, bends_of, border_caps, jerk_caps
+from gcodesim.planning.jerk_kernels import NOTHING, Bends, SoftColumns, bends_of, border_caps, jerk_caps
 
 if TYPE_CHECKING:
     from gcodesim.planning.arm_kernels import JointCaps, SegmentRates
 
 _SHARE: Final = 0.9  # of each limit; the rest is for what changes within a segment besides
 _ANY: Final = 1e9  # [rad/s³, m/s³] of a joint without a limit
+_STRAIGHT: Final = 1e-7  # of a limit that bends take of a segment along which all joints go evenly
 
 
 @frozen(kw_only=False, eq=False)
@@ -48,5 +49,15 @@ def softer(
     most = _SHARE * np.minimum(limit, _ANY)
     bends = bends_of(rates, length, follows, goes_on)
     jerk_caps(rates, bends, most, lower, soft.jerk)
+    soft.jerk[_straight(bends, lower, most)] *= (1.0 - _STRAIGHT) / _SHARE  # nothing changes besides
     border_caps(rates, bends, length, follows, most, CYCLE, lower.speed, junction, soft)
     return Softened(lower, junction, Softness(soft.jerk, soft.calm, soft.push))
+
+
+def _straight(bends: Bends, caps: JointCaps, limit: Array) -> NDArray[np.bool_]:
+    """Which segments (k,) joints pass evenly, without a step at either end."""
+    v, a = caps.speed[:, None], caps.acceleration[:, None]
+    even = (3.0 * bends.second * v * a + bends.third * v * v * v <= _STRAIGHT * limit).all(axis=1)
+    smooth = (np.maximum(bends.step, bends.kink) <= NOTHING).all(axis=1)
+    straight: NDArray[np.bool_] = even & smooth & np.append(True, smooth[:-1])[: len(smooth)]
+    return straight

@@ -38,6 +38,15 @@ def test_single_moves_are_the_fastest(length: float, speed: float, expected: flo
     assert law([length], [speed], [3.0], [50.0])[:, DURATION].sum() == pytest.approx(expected, rel=1e-9)
 
 
+@pytest.mark.parametrize("acceleration", [9.9, 5.0])
+def test_a_move_in_many_segments_takes_as_long_as_in_one(acceleration: float) -> None:
+    """Where caps end within a move, rounding makes slopes that last no time; they are no tops."""
+    whole = law([0.2], [0.99], [acceleration], [54.0])[:, DURATION].sum()
+    parts = law([0.005] * 40, [0.99] * 40, [acceleration] * 40, [54.0] * 40)[:, DURATION].sum()
+
+    assert parts == pytest.approx(whole, rel=1e-6)
+
+
 def test_every_cap_holds_everywhere() -> None:
     rng = np.random.default_rng(3)
     for number in range(60):

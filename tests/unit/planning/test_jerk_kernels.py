@@ -44,3 +44,13 @@ def test_a_border_without_a_step_is_no_cap() -> None:
 
     assert junction[0] == 1.0
     assert calm[0] >= 1e30
+
+
+def test_a_straight_way_has_the_whole_limit() -> None:
+    """Where nothing bends, the jerk of a joint is q' times that of the law; beside a kink a tenth is left for the rest."""
+    rates = SegmentRates(*(np.array([0.5, 0.5, 0.501])[:, None].copy() for _ in range(3)))
+    caps = JointCaps(*(np.ones(3) for _ in range(2)), np.full(3, 10.0), np.zeros(3, dtype=np.int64), np.zeros(3))
+    follows, smooth = np.array([True, True, False]), np.zeros(3, dtype=bool)
+    jerk = softer(rates, np.full(3, 0.1), follows, smooth, LIMIT, caps, np.full(3, np.inf)).soft.jerk
+
+    assert jerk * rates.start[:, 0] == pytest.approx(np.array([1.0, SHARE, SHARE]) * LIMIT, rel=1e-6)
