@@ -47,7 +47,7 @@ def test_a_border_without_a_step_is_no_cap() -> None:
 
 
 def test_a_straight_way_has_the_whole_limit() -> None:
-    """Where nothing bends, the jerk of a joint is q' times that of the law; beside a kink a tenth is left for the rest."""
+    """Where nothing bends, a joint jerks q' times as much as the law; beside a kink a tenth is left for the rest."""
     rates = SegmentRates(*(np.array([0.5, 0.5, 0.501])[:, None].copy() for _ in range(3)))
     caps = JointCaps(*(np.ones(3) for _ in range(2)), np.full(3, 10.0), np.zeros(3, dtype=np.int64), np.zeros(3))
     follows, smooth = np.array([True, True, False]), np.zeros(3, dtype=bool)
