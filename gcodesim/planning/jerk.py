@@ -58,7 +58,8 @@ def _straight(bends: Bends, caps: JointCaps, limit: Array) -> NDArray[np.bool_]:
     """Which segments (k,) joints pass evenly, without a step at either end."""
     v, a = caps.speed[:, None], caps.acceleration[:, None]
     even = (3.0 * bends.second * v * a + bends.third * v * v * v <= _STRAIGHT * limit).all(axis=1)
-    smooth: NDArray[np.bool_] = (np.maximum(bends.step, bends.kink) <= NOTHING).all(axis=1)
+    rough: Array = np.maximum(bends.step, bends.kink)
+    smooth = (rough <= NOTHING).all(axis=1)
     straight: NDArray[np.bool_] = even & smooth
     straight[1:] &= smooth[:-1]
     return straight
