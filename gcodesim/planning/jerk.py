@@ -58,8 +58,7 @@ def _straight(bends: Bends, caps: JointCaps, limit: Array) -> NDArray[np.bool_]:
     """Which segments (k,) joints pass evenly, without a step at either end."""
     v, a = caps.speed[:, None], caps.acceleration[:, None]
     even = (3.0 * bends.second * v * a + bends.third * v * v * v <= _STRAIGHT * limit).all(axis=1)
-    rough: Array = np.maximum(bends.step, bends.kink)
-    smooth = (rough <= NOTHING).all(axis=1)
+    smooth = np.maximum(bends.step, bends.kink).max(axis=1) <= NOTHING
     straight: NDArray[np.bool_] = even & smooth
     straight[1:] &= smooth[:-1]
     return straight
