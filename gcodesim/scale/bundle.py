@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import os
 from collections.abc import Mapping
 from pathlib import Path, PurePosixPath
 from typing import Any, Final
@@ -17,6 +18,7 @@ from gcodesim.numbers import read_json
 
 FORM: Final = b"gcodesim-bundle/1\n"
 _COUNT: Final = 8  # bytes of the length of the head
+_LEADING_OUT: Final = "" if os.sep == "/" else "\\:"  # where a backslash or a colon is part of a name, it stays so
 
 
 class BundleError(ValueError):
@@ -34,7 +36,7 @@ class FileBundle:
         """Equal bundles give equal bytes."""
         names = sorted(self.files)
         sizes = [[name, len(self.files[name])] for name in names]
-        head = json.dumps({"said": self.said, "files": sizes}, ensure_ascii=False, allow_nan=False).encode()
+        head = json.dumps({"said": self.said, "files": sizes}, allow_nan=False).encode()  # names may be no UTF-8
         return b"".join((FORM, len(head).to_bytes(_COUNT, "big"), head, *(self.files[name] for name in names)))
 
     @staticmethod
@@ -72,7 +74,7 @@ def digest_of(data: bytes) -> str:
 
 def _name(name: Any) -> str:
     parts = PurePosixPath(name).parts
-    if not isinstance(name, str) or not parts or name.startswith("/") or ".." in parts or set(name) & set("\0\\:"):
+    if not isinstance(name, str) or not parts or name.startswith("/") or ".." in parts or set(name) & {"\0", *_LEADING_OUT}:
         raise BundleError(f"{name!r} is no name of a file in a bundle")
     return name
 

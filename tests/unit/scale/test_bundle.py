@@ -31,10 +31,27 @@ def test_a_pickle_is_no_bundle_and_is_not_run():
             FileBundle.unpack(data)
 
 
-@pytest.mark.parametrize("name", ["../a", "/etc/a", "a/../../b", "", "a\\b", "c:a", "a\0"])
+@pytest.mark.parametrize("name", ["../a", "/etc/a", "a/../../b", "", "a\0"])
 def test_no_name_leads_out_of_the_folder(name: str):
     with pytest.raises(BundleError):
         FileBundle.unpack(FileBundle(files={name: b""}).pack())
+
+
+@pytest.mark.parametrize("name", ["a\\b", "c:a"])
+def test_what_leads_out_on_some_systems_is_a_name_on_others(name: str, monkeypatch: pytest.MonkeyPatch):
+    data = FileBundle(files={name: b""}).pack()
+    monkeypatch.setattr("gcodesim.scale.bundle._LEADING_OUT", "")
+    assert set(FileBundle.unpack(data).files) == {name}
+    monkeypatch.setattr("gcodesim.scale.bundle._LEADING_OUT", "\\:")
+    with pytest.raises(BundleError):
+        FileBundle.unpack(data)
+
+
+def test_names_of_all_kinds_travel(tmp_path: Path):
+    """What a file may be called on this system, also in bytes that are no UTF-8."""
+    files = {"12:30.nc": b"M2\n", "x\n::y\x1b.nc": b"", "caf\udce9.nc": b"M30\n"}
+    FileBundle.unpack(FileBundle(files=files).pack()).write(tmp_path)
+    assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == files
 
 
 def test_bytes_that_are_cut_off_or_too_many_are_refused():
