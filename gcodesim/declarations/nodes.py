@@ -20,6 +20,8 @@ from gcodesim.frozen import frozen
 _LINE_END = re.compile(r"\r\n|\n|\r")
 # what YAML 1.2 forbids anywhere in a file
 _FORBIDDEN = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\x7f\ufffe\uffff]")
+_HALF = re.compile("[\ud800-\udfff]")
+_PAIR = re.compile("[\ud800-\udbff][\udc00-\udfff]")
 # C1 controls come from Windows code pages read as Latin-1; the others end no line in YAML 1.2, but do in the parser
 _HARMLESS = dict.fromkeys((*range(128, 160), 8232, 8233, 65279), "�")
 # A cell has some hundred nodes. Copies made by aliases beyond this number are an attack or a mistake.
@@ -223,9 +225,8 @@ class _Composer:
                     return self._root
             elif name == "ScalarEvent":
                 self._check_tag(event)
-                self._finish(
-                    Scalar(span=self._span(event), text=event.value, plain=event.style is None), event.anchor, 1
-                )
+                text = self._whole(event)
+                self._finish(Scalar(span=self._span(event), text=text, plain=event.style is None), event.anchor, 1)
             elif name == "AliasEvent":
                 if not self._alias(event):
                     return None
@@ -266,6 +267,21 @@ class _Composer:
                 f"the tag `{_shorthand(event.tag)}` is not read",
                 "delete it: each key knows what it expects",
             )
+
+    def _whole(self, event: Any) -> str:
+        """The text of a scalar. JSON escapes a character beyond U+FFFF in two halves, which no file can hold alone."""
+        text: str = event.value
+        if text.isascii() or not _HALF.search(text):
+            return text
+        joined = text.encode("utf-16", "surrogatepass").decode("utf-16", "replace")
+        if lost := _HALF.search(_PAIR.sub("", text)):
+            self._add(
+                "GS701",
+                event,
+                f"`\\u{ord(lost[0]):04x}` is half a character",
+                "write the character itself, or both halves: `\\ud83d\\ude00`",
+            )
+        return joined
 
     def _alias(self, event: Any) -> bool:
         if any(container.anchor == event.anchor for container in self._stack):

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import hashlib
 from dataclasses import replace
 from typing import Final
 
 from gcodesim.diagnostics import Caller, Diagnostic, Span
+from gcodesim.files.digest import digest_of_texts
 from gcodesim.formats.places import FilePlaces
 from gcodesim.frozen import frozen
 from gcodesim.regress.baseline import entry_of
@@ -58,7 +58,7 @@ def items_of(verdict: SuiteVerdict, places: FilePlaces) -> list[Item]:
                 state=found.state,
                 reason=found.reason,
                 cases=tuple(cases),
-                fingerprint=_digest(*entry, str(entries[entry])),
+                fingerprint=digest_of_texts(*entry, str(entries[entry])),
             )
         )
     return items
@@ -71,7 +71,3 @@ def _from_top(finding: Diagnostic, places: FilePlaces) -> Diagnostic:
 
     related = None if finding.related is None else moved(finding.related)
     return replace(finding, span=moved(finding.span), related=related)
-
-
-def _digest(*parts: str) -> str:
-    return hashlib.sha256("\0".join(parts).encode("utf-8", "surrogateescape")).hexdigest()

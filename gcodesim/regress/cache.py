@@ -18,6 +18,7 @@ from typing import Any, Final
 
 from gcodesim.diagnostics.stored import as_stored, from_stored
 from gcodesim.files.code_digest import code_digest
+from gcodesim.files.digest import digest_of_texts
 from gcodesim.files.own_folder import NotOwn, OwnFolder, open_own_folder
 from gcodesim.files.user_cache import user_cache
 from gcodesim.regress.case import Case, shown_path
@@ -87,7 +88,7 @@ class Cache:
         }
         folder, name = self._place(case, make=True)
         if folder is not None:
-            folder.write(name, json.dumps(entry, ensure_ascii=False).encode())
+            folder.write(name, json.dumps(entry).encode())
 
     def tidy(self) -> None:
         """Delete the oldest entries when there are too many, and nothing else in the folder."""
@@ -109,7 +110,7 @@ class Cache:
         parts += [f"{name} {_digest(path)}" for name, path in sorted(case.channels.items())]
         # folders that the command line lets the cell read count by their names
         parts += [shown_path(folder, self._root) for folder in case.allow_path]
-        key = hashlib.sha256("\0".join(parts).encode()).hexdigest()
+        key = digest_of_texts(*parts)
         folder = None if self._folder is None else self._folder.folder(key[:2], make=make)
         return folder, f"{key[2:34]}.json"
 

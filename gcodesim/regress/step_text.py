@@ -20,7 +20,9 @@ from gcodesim.regress.motion import MOVES, NO_AXES, ArcMove, Axes, MotionStep, P
 
 _PLACES: Final = 6
 _FED: Final = ("line", "arc", "spline", "probe")
-_HEAD = re.compile(r"(?:\+(?P<down>-?[0-9]+) |@(?P<file>.*):(?P<line>[0-9]+) )?(?P<kind>[a-z_0-9]+)(?: (?P<rest>.*))?")
+_HEAD = re.compile(
+    r"(?:\+(?P<down>-?[0-9]+) |@(?P<file>(?s:.*)):(?P<line>[0-9]+) )?(?P<kind>[a-z_0-9]+)(?: (?P<rest>.*))?"
+)
 _NUMBER: Final = r"-?[0-9]+(?:\.[0-9]+)?(?:e-?[0-9]+)?"
 _AXIS = re.compile(rf"([XYZABCF])({_NUMBER})")
 _POINT = re.compile(rf"(?P<name>[a-z0-9]+)\((?P<values>{_NUMBER}(?:,{_NUMBER})*)\)")

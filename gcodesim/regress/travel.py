@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 import os
 from collections.abc import Generator, Iterable, Iterator, Mapping, Sequence
@@ -13,6 +12,7 @@ from typing import Any, Final
 from gcodesim.cell import LoadedCell, load_cell
 from gcodesim.declarations.files import folders_of_the_user
 from gcodesim.diagnostics import SourceText
+from gcodesim.files.digest import digest_of_texts
 from gcodesim.regress.case import Case
 from gcodesim.regress.outcome import Judging
 from gcodesim.regress.suite import Judged, judged
@@ -89,7 +89,7 @@ def _task(case: Case, how: Judging) -> tuple[WorkerTask, Path]:
     }
     parcel = Parcel.of(inputs.bundle)
     decides = json.dumps([abilities()[CODE], parcel.digest, said], sort_keys=True, ensure_ascii=False)
-    key = hashlib.sha256(decides.encode("utf-8", "surrogateescape")).hexdigest()[:_KEY]
+    key = digest_of_texts(decides)[:_KEY]
     return WorkerTask(key=key, said=said, parcel=parcel), inputs.root
 
 

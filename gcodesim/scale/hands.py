@@ -39,7 +39,7 @@ class WorkerTask:
     @property
     def request(self) -> bytes:
         asked = {NEEDED: dict(abilities()), "said": self.said}
-        return json.dumps(asked, ensure_ascii=False, allow_nan=False, sort_keys=True).encode()
+        return json.dumps(asked, allow_nan=False, sort_keys=True).encode()
 
 
 @frozen(eq=False)

@@ -13,6 +13,7 @@ from typing import Any, Final
 from gcodesim.cell import LoadedCell
 from gcodesim.diagnostics import Diagnostic, SourceText
 from gcodesim.diagnostics.stored import as_stored, from_stored
+from gcodesim.files.digest import digest_of_texts
 from gcodesim.files.output_folder import LOG_NAME, RESULTS_NAME, SETUP_NAME
 from gcodesim.files.whole_file import write_whole
 from gcodesim.frozen import frozen
@@ -41,7 +42,7 @@ def key_of(program: SourceText, loaded: LoadedCell, options: Options, said: str,
     asked = repr((options.world, options.fail_on, options.only))
     parts = [code, said, asked, program.name, program.sha256, repr(ended)]
     parts += [f"{file.name} {file.sha256}" for file in loaded.files]
-    return hashlib.sha256("\0".join(parts).encode()).hexdigest()
+    return digest_of_texts(*parts)
 
 
 def recall(folder: Path, key: str) -> Remembered | None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 import tempfile
 from collections.abc import Iterator, Mapping, Sequence
@@ -14,6 +13,7 @@ from typing import Any, Final
 from gcodesim.cell import LoadedCell, load_cell
 from gcodesim.cell.loader import CellChange
 from gcodesim.diagnostics import Diagnostic, Severity, SourceText, Span
+from gcodesim.files.digest import digest_of_texts
 from gcodesim.frozen import frozen
 from gcodesim.scale.abilities import CODE, abilities
 from gcodesim.scale.hands import Parcel, WorkerTask
@@ -56,7 +56,7 @@ class Prepared:
             if name in self.study.vary:
                 said[name] = self.inputs.name(self.file.path.parent / str(point[name].shown))
         decides = json.dumps([abilities()[CODE], self.parcel.digest, said], sort_keys=True, ensure_ascii=False)
-        key = hashlib.sha256(decides.encode("utf-8", "surrogateescape")).hexdigest()
+        key = digest_of_texts(decides)
         return WorkerTask(key=f"{key}-logs" if keep else key, said={**said, "keep": keep}, parcel=self.parcel)
 
     def tasks(self, points: Iterator[Point]) -> Iterator[tuple[Point, WorkerTask]]:

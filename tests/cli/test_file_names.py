@@ -20,6 +20,17 @@ def test_a_file_name_is_no_option(cli, write, tmp_path: Path, name: str) -> None
     assert sorted(os.listdir()) == before
 
 
+@pytest.mark.parametrize("name", ["caf\udce9", "12:30", "x\n::stop-commands::y", "=1+1"])
+def test_any_name_can_be_tested(cli, write, tmp_path: Path, name: str) -> None:
+    """Also one in an old code page, which is no UTF-8; the second time what passed is known."""
+    os.rename("slot.nc", f"{name}.nc")
+    write(f"{name}.test.yaml", "cell: cell.yaml\n")
+    assert cli("accept", ".").status == 0
+    for _ in range(2):
+        done = cli("test", ".")
+        assert done.status == 0 and "1 passed" in done.out
+
+
 def test_a_pipe_is_no_file_of_a_cell(cli, write, tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "pipe.tbl")
     os.mkfifo(tmp_path / "pipe.stl")

@@ -39,6 +39,21 @@ def test_scalars_keep_their_text_and_place() -> None:
     ]
 
 
+def test_a_character_that_json_escapes_in_two_halves_is_one() -> None:
+    """A cell that a script wrote as JSON is YAML too."""
+    root, codes = composed('a: "x\\ud83d\\ude00y"\n')
+    assert root is not None and codes == []
+    assert isinstance(a := root.get("a"), Scalar) and a.text == "x\U0001f600y"
+
+
+@pytest.mark.parametrize("half", ["\\ud83d", "\\ude00", "\\ude00\\ud83d", "\\ud83d\\ud83d\\ude00"])
+def test_half_a_character_is_no_text(half: str) -> None:
+    """No file could hold it, nor its name."""
+    assert composed(f'a: "x{half}y"\n')[1] == ["GS701"]
+    root, codes = composed(f'"{half}": 1\n')
+    assert codes == ["GS701"] and root is not None and root.entries[0][0].text.encode()
+
+
 @pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
 def test_every_line_end_counts_the_same(end: str) -> None:
     root, codes = composed(end.join(["# first", "a: 1", "", "b: {c: 2}"]))
