@@ -74,7 +74,8 @@ def digest_of(data: bytes) -> str:
 
 def _name(name: Any) -> str:
     parts = PurePosixPath(name).parts
-    if not isinstance(name, str) or not parts or name.startswith("/") or ".." in parts or set(name) & {"\0", *_LEADING_OUT}:
+    foreign = {"\0", *_LEADING_OUT}
+    if not isinstance(name, str) or not parts or name.startswith("/") or ".." in parts or foreign & set(name):
         raise BundleError(f"{name!r} is no name of a file in a bundle")
     return name
 
