@@ -292,8 +292,9 @@ class Stock:
         """By how much [m^3] the removed or added volume may be wrong on this grid; 0 when nothing changed.
 
         It falls with the square of the cell, at round edges with its power 1.5 (`error_kernels`). Held against closed
-        forms, it is not exceeded and typically three to ten times the error; a lucky grid may do better. Cuts narrower
-        than a cell, or with its very pitch, can slip between the columns and are not included.
+        forms, it is not exceeded, and three to ten times the error of the like on other grids; a lucky grid may do
+        better. What slips between the columns is not included: cuts, and what is left beside them or beside a border,
+        that are narrower than a cell, and rows of cuts with the very pitch of the cells.
         """
         if self.lattice is not None:
             from gcodesim.material.lattice_surface import volume_error

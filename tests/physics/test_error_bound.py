@@ -66,6 +66,18 @@ def chamfered(angle: float) -> Cut:
     return run
 
 
+def ring(radius: float, tool: float) -> Cut:
+    """A round groove, whose two walls bend opposite ways."""
+
+    def run(stock: Stock) -> float:
+        a = np.linspace(0, 2 * math.pi, 2001)
+        path = np.c_[40 + radius * np.cos(a), 25 + radius * np.sin(a), np.full(2001, -2.0)]
+        cut(stock, path, shape.flat(tool * MM, 30 * MM))
+        return 4 * math.pi * radius * tool
+
+    return run
+
+
 def dome(stock: Stock) -> float:
     cut(stock, [[40, 25, 5], [40, 25, -2]], shape.ball(10 * MM, 30 * MM))
     return math.pi * 4 * (3 * 5 - 2) / 3
@@ -78,17 +90,15 @@ def drilled(stock: Stock) -> float:
 
 
 FORMS = {
-    "slot": slot(0, 6, 2, 30), "turned slot": slot(30, 6, 2, 30), "slot at 45": slot(45, 6, 2, 30),
+    "ring": ring(6, 5), "slot": slot(0, 6, 2, 30), "turned slot": slot(30, 6, 2, 30), "slot at 45": slot(45, 6, 2, 30),
     "narrow slot": slot(30, 2, 1, 20), "arc groove": groove, "helix bore": bore, "ball slot": ball_slot(0, 1),
     "deep ball slot": ball_slot(0, 5), "turned ball slot": ball_slot(17, 3), "ball slot at 45": ball_slot(45, 3),
     "cone": cone, "groove": chamfered(0), "turned groove": chamfered(30), "dome": dome, "drilled": drilled,
 }  # fmt: skip
 
 
-VEE = ("groove", "turned groove")
-"""Kinks whose errors undo each other at some distances."""
-ARCS = ("arc groove", "helix bore")
-"""Upright walls along arcs, whose chords bend less on fine grids than the bound grants."""
+UNDONE = ("groove", "turned groove", "ring")
+"""Three kinks, or a hollow and a round wall, whose errors nearly undo each other."""
 
 
 def table(form: Cut, cell: float, seed: int) -> tuple[np.ndarray, np.ndarray]:
@@ -122,29 +132,52 @@ def test_the_bound_is_never_exceeded_and_not_far_above(name: str, cell: float) -
     errors, bounds = table(FORMS[name], cell, seed=int(100 * cell))
 
     assert (errors <= bounds).all()
-    share = 15.0 if name in VEE else 20.0 if name in ARCS and cell < 0.5 else 10.0
-    assert bounds.mean() <= share * np.sqrt((errors**2).mean())
+    assert bounds.mean() <= (15.0 if name in UNDONE else 10.0) * np.sqrt((errors**2).mean())
+
+
+@pytest.mark.parametrize("cells", [23.8, 24.0, 24.2, 36.1])
+@pytest.mark.parametrize("form", [ball_slot(0, 5), chamfered(0)], ids=["ball", "vee"])
+def test_edges_a_round_number_of_cells_apart(form: Cut, cells: float) -> None:
+    """Waves of 1, 2, 3, 4 cells and their like undo each other there; the bound was a quarter of the error."""
+    for shift in (0.0, 0.3, 0.7):
+        own = 6 / cells
+        stock = Stock.box(((shift * own - 2) * MM, -2 * MM, -15 * MM), (82 * MM, 52 * MM, 0), own * MM)
+        before = stock.volume
+        exact = form(stock)
+        assert abs((before - stock.volume) / MM3 - exact) <= stock.error_bound() / MM3
+
+
+@pytest.mark.parametrize("cell", [1.0, 0.5])
+def test_slopes_beside_walls_and_at_borders(cell: float) -> None:
+    """A flat and a wider ball along one way, which leaves the stock: beside a grid that is ten times as fine."""
+    points = np.array([[12, -6, -2], [21, 36, -2], [46, 9, -2], [20, 9, -2]]) * MM
+    coarse, fine = (Stock.box((0, 0, -15 * MM), (40 * MM, 30 * MM, 0), own * MM) for own in (cell, 0.05))
+    for stock in (coarse, fine):
+        for tool in (shape.ball(7 * MM, 20 * MM), shape.flat(3 * MM, 20 * MM)):
+            stock.remove(points[:-1], points[1:], tool)
+    assert abs(coarse.volume - fine.volume) <= coarse.error_bound()
 
 
 @pytest.mark.slow
 def test_the_bound_of_drawn_forms() -> None:
-    """1800 grids: never exceeded, and typically within ten times the error."""
+    """2400 grids: never exceeded, and typically within ten times the error."""
     draw = np.random.default_rng(15)
     shares = []
-    for seed in range(150):
+    for seed in range(200):
         angle, cell = float(draw.uniform(0, 90)), float(draw.choice([1.0, 0.5, 0.25]))
         drawn = (
             slot(angle, draw.uniform(3, 10), draw.uniform(0.5, 5), draw.uniform(10, 35)),
             ball_slot(angle, draw.uniform(0.5, 6)),
             chamfered(angle),
+            ring(draw.uniform(4, 12), draw.uniform(2, 7)),
         )
-        errors, bounds = table(drawn[seed % 3], cell, seed)
+        errors, bounds = table(drawn[seed % 4], cell, seed)
         assert (errors <= bounds).all()
         shares.append(float(bounds.mean() / np.sqrt((errors**2).mean())))
-    assert np.median(shares) <= 10.0
+    assert np.median(shares) <= 8.0 and np.quantile(shares, 0.9) <= 20.0
 
 
-@pytest.mark.parametrize("pitch", [0.3, 0.6, 0.983, 1.0, 1.3, 2.0])
+@pytest.mark.parametrize("pitch", [0.3, 0.39, 0.6, 0.75, 0.983, 1.0, 1.3, 1.5, 2.0, 2.5])
 @pytest.mark.parametrize("cell", [0.5, 0.25, 0.13])
 def test_ball_raster(pitch: float, cell: float) -> None:
     """Rows of cusps, of which a grid with a like pitch sees only some heights; the pitch is above that of the grid."""
