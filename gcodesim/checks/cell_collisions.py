@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -48,6 +48,7 @@ class Running:
     plan: Plan
     X_BM: Pose
     switched: Mapping[str, Sequence[tuple[float, Span]]]
+    _standing: dict[float, bool] = field(default_factory=dict)
 
     def row(self, time: float) -> int:
         trajectory = self.plan.trajectory
@@ -60,6 +61,11 @@ class Running:
 
     def stands(self, time: float) -> bool:
         """Whether it stands still at a time."""
+        if time not in self._standing:
+            self._standing[time] = self._stands(time)
+        return self._standing[time]
+
+    def _stands(self, time: float) -> bool:
         if time >= self.plan.trajectory.duration:
             return True
         samples = self.plan.trajectory.sample(np.array([max(time - _AFTER, 0.0), time + _AFTER]))

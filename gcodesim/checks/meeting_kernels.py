@@ -305,20 +305,25 @@ def deepen(
     couple, chain, way, forest, bodies = scene
     k, at, level = place
     low, high, enough, best = bracket
+    left, right, known = low, high, 0  # which of the two inner places was one of the round before: 1 left, 2 right
+    at_left = at_right = math.inf
     for _ in range(ROUNDS):
         if high - low < enough:
             break
-        left, right = high - GOLDEN * (high - low), low + GOLDEN * (high - low)
-        at_left = least_gap(p, pair, (k, left, level), couple, chain, way, forest, bodies, walk, rooms)
-        at_right = least_gap(p, pair, (k, right, level), couple, chain, way, forest, bodies, walk, rooms)
+        if known != 1:
+            left = high - GOLDEN * (high - low)
+            at_left = least_gap(p, pair, (k, left, level), couple, chain, way, forest, bodies, walk, rooms)
+        if known != 2:
+            right = low + GOLDEN * (high - low)
+            at_right = least_gap(p, pair, (k, right, level), couple, chain, way, forest, bodies, walk, rooms)
         if at_left < best:
             best, at = at_left, left
         if at_right < best:
             best, at = at_right, right
         if at_left <= at_right:
-            high = right
+            high, right, at_right, known = right, left, at_left, 2
         else:
-            low = left
+            low, left, at_left, known = left, right, at_right, 1
     e = walk.open[p]
     if best < found.figures[e, 2]:
         found.figures[e, 1], found.figures[e, 2] = at, best

@@ -18,6 +18,8 @@ from gcodesim.frames import Array
 if TYPE_CHECKING:
     from concurrent.futures import Future
 
+    from gcodesim.executor.weave import Weave
+
 IN_CONTACT: Final = 8
 """Steps that are cut at once while a body of the machine is in a stock: which material it meets first is known."""
 
@@ -29,7 +31,8 @@ Look = Callable[[StepWindow], Any]
 class WindowCut:
     """One window with its stretches, each of one tool. `wrenches`: what the tools feel; `seen`: what `Look` saw.
 
-    `looks`: whether this is the moment to look, which it is once all channels have cut the window.
+    `looks`: whether this is the moment to look, which it is once all channels have cut the window. `weave`: it is cut
+    together with the windows of other channels.
     """
 
     window: StepWindow
@@ -39,6 +42,7 @@ class WindowCut:
     looks: bool = True
     undo: list[Callable[[], None]] = field(default_factory=list)
     work: Future[None] | None = None
+    weave: Weave | None = None
 
     def ready(self, index: int) -> Stretch:
         """The stretch at `index`, which is next. Where a body of the machine meets a stock as it stands by now, the
@@ -76,8 +80,19 @@ class CutThread:
 
     def begin(self, cut: WindowCut) -> None:
         """Cut this window as soon as the one before it is done; a second call for the same window does nothing."""
-        if cut.work is None:
+        if cut.work is not None:
+            return
+        if cut.weave is None:
             cut.work = self._thread.submit(self.cut, cut)
+            return
+        work = self._thread.submit(self._cut_together, cut.weave)
+        for each in cut.weave.cuts:
+            each.work = work
+
+    def _cut_together(self, weave: Weave) -> None:
+        weave.cut(undoable=self._undoable)
+        for cut in weave.cuts:
+            self.see(cut)
 
     def cut(self, cut: WindowCut) -> None:
         """Cut the rest of a window in the calling thread, and look at the stocks."""
@@ -100,8 +115,11 @@ class CutThread:
             cut.work.result()
 
     def take_back(self, cut: WindowCut, first: int = 0) -> None:
-        """Undo the stretches from `first` on."""
+        """Undo the stretches from `first` on; of windows that are cut together all."""
         self.wait(cut)
+        if cut.weave is not None:
+            cut.weave.take_back()
+            return
         while len(cut.wrenches) > first:
             cut.wrenches.pop()
             cut.undo.pop()()

@@ -160,8 +160,7 @@ class Stretch:
 
     def divided(self, after: int) -> list[Stretch]:
         """The same steps as two stretches, the first of `after` steps; none where they cannot be divided."""
-        whole = any(stint.task.process.leads or stint.parts is not None or stint.anew for stint in self.stints)
-        if whole or not 0 < after < len(self):
+        if not self.divisible or not 0 < after < len(self):
             return []
         middle = self.begin + after
         parts = [self._again(self.begin, middle), self._again(middle, self.end)]
@@ -170,18 +169,35 @@ class Stretch:
         return parts
 
     @property
+    def divisible(self) -> bool:
+        """Whether its steps may be run in parts."""
+        whole = (stint.task.process.leads or stint.parts is not None or stint.anew for stint in self.stints)
+        return not any(whole)
+
+    @property
     def pushes(self) -> bool:
         """Whether a world would feel what the tool does."""
         return any(not stint.task.process.rests(stint.window) for stint in self.stints)
 
     def __call__(self, first: int, q: Array) -> Array:
         """What the tool feels (n, 6) in all steps, with joints (n, j) as commanded."""
-        wrench = np.zeros((len(q), 6))
         for stint in self.stints:
             stint.run()
+        return self.felt
+
+    @property
+    def felt(self) -> Array:
+        """What the tool has felt (n, 6) in all steps."""
+        wrench = np.zeros((len(self), 6))
+        for stint in self.stints:
             if stint.wrench is not None:
                 wrench += stint.wrench
         return wrench
+
+    def advance(self, at: int, until: int) -> None:
+        """Steps `at` to `until` of this stretch, in order, with joints as commanded."""
+        for stint in self.stints:
+            stint.advance(at, until)
 
     def react(self, k: int, q_before: Array, q_free: Array, response: Array) -> Array:
         """What the tool feels (6,) in step `k` of the stretch, base axes; see `world.protocol.Reacting`."""

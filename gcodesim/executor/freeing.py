@@ -6,6 +6,7 @@ known; then the piece is taken out of the stock, and the rest of the window goes
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -47,18 +48,21 @@ class Freeing:
         self._kept: Kept | None = None
         self.freed: list[Freed] = []
 
-    def run(self) -> ProcessStep:
-        """Let the process act in all steps; what it frees on its way is in `freed` and no longer in the stock."""
-        parting, window = self._parting, self._window
+    def run(self, begin: int, end: int) -> ProcessStep:
+        """Let the process act in steps `begin` to `end`, which come in order.
+
+        What it frees on its way is in `freed` and no longer in the stock.
+        """
+        parting = self._parting
         if parting is None or not self._may_part(parting):
-            answer = self._act(0, window.steps)
+            answer = self._act(begin, end)
             if parting is not None and self._task.process.lays and answer[ADDED.name].any():
                 parting.off = True  # prints lie in several pieces
             return answer
         done: list[ProcessStep] = []
-        at = 0
-        while at < window.steps:
-            at = self._act_until_parted(parting, at, done)
+        at = begin
+        while at < end:
+            at = self._act_until_parted(parting, at, end, done)
         return ProcessStep.joined(done)
 
     def begin(self) -> None:
@@ -73,23 +77,29 @@ class Freeing:
             self._kept = None
 
     def _may_part(self, parting: Parting) -> bool:
-        window, process = self._window, self._task.process
-        if not process.takes:
+        if not self._task.process.takes:
             return False
+        lowest, from_above = self._reach
+        return parting.may_part(lowest, from_above=from_above)
+
+    @cached_property
+    def _reach(self) -> tuple[float, bool]:
+        """How low [m] the tip may come in this window, and whether it takes all that stood above."""
+        window, process = self._window, self._task.process
         lowest = float(np.minimum(window.piece_start, window.piece_end)[:, 2].min(initial=np.inf))
         if window.compliance is not None or not process.by_path:  # the tip may come deeper than it was told to
             lowest -= YIELDS
-        return parting.may_part(lowest, from_above=process.from_above(window))
+        return lowest, process.from_above(window)
 
     def _act(self, begin: int, end: int) -> ProcessStep:
         task, window = self._task, self._window
         part = window if (begin, end) == (0, window.steps) else window.part(begin, end)
         return task.process.run(task.target.given, part, task.state)
 
-    def _act_until_parted(self, parting: Parting, at: int, done: list[ProcessStep]) -> int:
-        """Go on from step `at` to the end, or to the step in which something comes loose; the first step after that."""
+    def _act_until_parted(self, parting: Parting, at: int, end: int, done: list[ProcessStep]) -> int:
+        """Go on from step `at` to `end`, or to the step in which something comes loose; the first step after that."""
         state = self._task.state.values
-        low, high = at, self._window.steps
+        low, high = at, end
         parts = False  # whether it is known that something comes loose before `high`
         while True:
             middle = high if not parts or high - low == 1 else (low + high) // 2

@@ -24,8 +24,9 @@ from gcodesim.executor.track import (
     Track,
     TrackPlan,
     Watcher,
-    windows,
+    Windows,
 )
+from gcodesim.executor.weave import Weave
 from gcodesim.shop import Shop
 from gcodesim.tools.gripper import Gripper
 from gcodesim.world import WorldSteps
@@ -95,7 +96,7 @@ def execute_together(
             first, planned = planned, max(track.steps for track in tracks)
             stops = () if watcher is None else watcher.stops([track.plan for track in tracks], first, planned)
             steps = pacing.windows(first_track.plan, first_track.rows.rapid, first, planned, most, stops)
-            cuts = windows(tracks, first, steps)
+            cuts = Windows(tracks, first, steps)
             now = next(cuts, None)
             taken: Taken = []
             while now is not None:
@@ -103,14 +104,19 @@ def execute_together(
                 if track.world.keeps_to_command:
                     cutter.begin(cut)
                 following = next(cuts, None)
-                in_hand = [now] if following is None else [now, following]
+                in_hand = _in_hand(tracks, now, following)
                 cutter.wait(cut)
+                if cut.weave is not None and cut is cut.weave.cuts[0] and not _holds(tracks, cut.weave):
+                    cutter.take_back(cut)
+                    cuts.divide()
+                    in_hand, now = [], next(cuts)
+                    continue
                 if following is not None and follows and following[0].world.keeps_to_command:
                     cutter.begin(following[1])
                 ahead = None if following is None else following[1]
                 done, follows = _move(track, cutter, cut, ahead)
                 record = track.take(cut, done)
-                del in_hand[0]
+                in_hand = [each for each in in_hand if each[1] is not cut]
                 taken.append((track, record))
                 if cut.looks:
                     if things is not None and things.things:
@@ -151,6 +157,32 @@ def execute_together(
         last = {track.shop.name: track.stands_at[None] for track in tracks}
         ends = things.ends(first_track.done - 1, last)
     return replace(own, others=others, parts=ends, stays=stays)
+
+
+def _in_hand(
+    tracks: Sequence[Track], now: tuple[Track, WindowCut], following: tuple[Track, WindowCut] | None
+) -> list[tuple[Track, WindowCut]]:
+    """What may be cut before it is taken over: this window and the next, with those that are cut together with it."""
+    if following is None:
+        return [now]
+    weave = following[1].weave
+    if weave is None:
+        return [now, following]
+    together = list(zip(tracks, weave.cuts, strict=True))
+    return [now, *(each for each in together[weave.cuts.index(following[1]) :])]
+
+
+def _holds(tracks: Sequence[Track], weave: Weave) -> bool:
+    """Whether what was cut together is what the machines will do; nothing of it has been moved yet."""
+    if not weave.is_cut:
+        return False
+    for track, cut in zip(tracks, weave.cuts, strict=True):
+        stretch = cut.stretches[0]
+        if stretch.pushes:
+            track.attach(stretch.tool)
+            if not track.world.keeps_up(cut.window.q, cut.wrenches[0]):
+                return False
+    return True
 
 
 def _halt(track: Track, things: PartRun | None, record: StepRecord | None) -> RunHalt:

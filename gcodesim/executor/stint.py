@@ -46,6 +46,7 @@ class Stint:
     freed: list[Freed] = field(default_factory=list)
     _loop: Any = field(default=None)
     _freeing: Freeing | None = field(default=None)
+    _done: list[ProcessStep] = field(default_factory=list)
 
     def run(self) -> None:
         """All steps at once, as commanded."""
@@ -60,8 +61,22 @@ class Stint:
             self._keep(task.process.run(self.parts, window, task.state))
         elif is_near(task, window.piece_start, window.piece_end, window.axis, task.target.filled()):
             freeing = Freeing(task, window, self.row)
-            self._keep(freeing.run())
+            self._keep(freeing.run(0, window.steps))
             self.freed = freeing.freed
+
+    def advance(self, at: int, until: int) -> None:
+        """Steps `at` to `until`, as commanded, in order; the same as `run` once the last step is done."""
+        task, window = self.task, self.window
+        if at == 0:
+            near = is_near(task, window.piece_start, window.piece_end, window.axis, task.target.filled())
+            self._freeing = Freeing(task, window, self.row) if near else None
+            self._done = []
+        if self._freeing is None:
+            return
+        self._done.append(self._freeing.run(at, until))
+        if until == window.steps:
+            self._keep(ProcessStep.joined(self._done))
+            self.freed, self._freeing, self._done = self._freeing.freed, None, []
 
     def shift(self, bent: Array) -> None:
         """Act off the command by `bent` (n + 1, 3) [m] in B, at the beginning and at the end of each step."""
@@ -82,6 +97,15 @@ class Stint:
         """A box (3,) (3,) [m] in S that contains all on which the process may act in these steps."""
         window = self.window
         return self.task.process.zone.bounds(window.piece_start, window.piece_end, window.axis, NEAR)
+
+    @property
+    def bounds_by_step(self) -> Bounds:
+        """The same of each step: corners (n, 3) (n, 3) [m]."""
+        window = self.window
+        first = np.searchsorted(window.piece_step, np.arange(window.steps))
+        ends = window.piece_start, window.piece_end
+        axes = window.axis if window.axis_before is None else window.axis_before, window.axis
+        return self.task.process.zone.bounds_by_step(ends, first, axes, NEAR)
 
     def step(self, k: int, moved_before: Array, moved: Array, response: Array) -> Array:
         """Step `k` of this stint, its tip off the command by `moved_before` … `moved` (3,) [m]; wrench (6,); in B.
@@ -116,8 +140,8 @@ class Stint:
 
     def forget(self) -> None:
         """Nothing has been done."""
-        self.answer = self.wrench = None
-        self.freed = []
+        self.answer = self.wrench = self._freeing = None
+        self.freed, self._done = [], []
 
     def _keep(self, answer: ProcessStep) -> None:
         self.answer, self.wrench = answer, in_base(answer.wrench, self.X_BS)

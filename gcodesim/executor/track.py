@@ -26,6 +26,7 @@ from gcodesim.executor.stock_change import StockChange, add_changes
 from gcodesim.executor.switching import Switching
 from gcodesim.executor.tasks import Only, RowColumns
 from gcodesim.executor.totals import JointTotals, RowTotals
+from gcodesim.executor.weave import Weave
 from gcodesim.executor.window import Carry, Ints, StepWindow, first_carry, window_of
 from gcodesim.frames import Array, Pose
 from gcodesim.frozen import frozen
@@ -371,39 +372,76 @@ class Track:
         )
 
 
-def windows(tracks: Sequence[Track], first: int, steps: Iterable[Ints]) -> Iterator[tuple[Track, WindowCut]]:
-    """The windows of all tracks from tick `first` on, in the order of cutting; `steps` are the ticks of each."""
-    carries = [track.carry(first) for track in tracks]
-    for ticks in steps:
-        yield from _between(tracks, carries, ticks)
+class Windows:
+    """The windows of all tracks from tick `first` of a leg on, in the order of cutting; `steps` are the ticks of each.
 
-
-def _between(tracks: Sequence[Track], carries: Sequence[Carry], ticks: Ints) -> Iterator[tuple[Track, WindowCut]]:
-    """The steps of all tracks between `ticks` (n + 1,). Where tools come near each other in one target, the steps are
-
-    divided, so that cuts go by steps: otherwise it does not matter who cuts first.
+    Where tools come near each other in one target, the windows of these steps are cut together, or are divided, so that
+    cuts go by steps: otherwise it does not matter who cuts first.
     """
-    if len(tracks) == 1:
-        yield tracks[0], tracks[0].cut(tracks[0].window(ticks, carries[0]), looks=True)
-        return
-    before = [copy(carry) for carry in carries]
-    made = [track.window(ticks, carry) for track, carry in zip(tracks, carries, strict=True)]
-    for track, window in zip(tracks, made, strict=True):
-        for other, theirs in zip(tracks, made, strict=True):
-            if other is not track:
-                window.others[other.shop.name], window.others_begin[other.shop.name] = theirs.q, theirs.q_begin
-    restores = [track.save() for track in tracks]
-    last = len(tracks) - 1
-    cuts = [track.cut(window, looks=i == last) for i, (track, window) in enumerate(zip(tracks, made, strict=True))]
-    if len(ticks) > 2 and any(_near(one, other) for one, other in combinations(cuts, 2)):
-        for restore, carry, own in zip(restores, carries, before, strict=True):
-            restore()
-            carry.tool, carry.shift, carry.gap, carry.tip = own.tool, own.shift, own.gap, own.tip
-        half = (len(ticks) - 1) // 2
-        yield from _between(tracks, carries, ticks[: half + 1])
-        yield from _between(tracks, carries, ticks[half:])
-        return
-    yield from zip(tracks, cuts, strict=True)
+
+    def __init__(self, tracks: Sequence[Track], first: int, steps: Iterable[Ints]) -> None:
+        self._tracks, self._steps = tracks, iter(steps)
+        self._carries = [track.carry(first) for track in tracks]
+        self._divided: list[Ints] = []
+        self._now: list[tuple[Track, WindowCut]] = []
+        self._ticks: Ints = np.zeros(0, dtype=np.int64)
+        self._restore: Callable[[], None] = _do_nothing
+
+    def __iter__(self) -> Iterator[tuple[Track, WindowCut]]:
+        return self
+
+    def __next__(self) -> tuple[Track, WindowCut]:
+        while not self._now:
+            self._ticks = self._divided.pop() if self._divided else next(self._steps)
+            cuts = self._cuts()
+            if not self._come_near(cuts):
+                pass
+            elif Weave.fits(cuts) and all(track.world.keeps_to_command for track in self._tracks):
+                weave = Weave(cuts)
+                for cut in cuts:
+                    cut.weave = weave
+            else:
+                self.divide()
+                continue
+            self._now = list(zip(self._tracks, cuts, strict=True))
+        return self._now.pop(0)
+
+    def divide(self) -> None:
+        """Go on with the first half of the steps that came last, then with the second; none of them has been run."""
+        ticks, half = self._ticks, len(self._ticks) // 2
+        self._restore()
+        self._now.clear()
+        self._divided += [ticks[half:], ticks[: half + 1]]
+
+    def _cuts(self) -> list[WindowCut]:
+        tracks, carries, last = self._tracks, self._carries, len(self._tracks) - 1
+        if last:
+            self._restore = self._saved()
+        windows = [track.window(self._ticks, carry) for track, carry in zip(tracks, carries, strict=True)]
+        for track, window in zip(tracks, windows, strict=True):
+            for other, theirs in zip(tracks, windows, strict=True):
+                if other is not track:
+                    window.others[other.shop.name], window.others_begin[other.shop.name] = theirs.q, theirs.q_begin
+        both = zip(tracks, windows, strict=True)
+        return [track.cut(window, looks=number == last) for number, (track, window) in enumerate(both)]
+
+    def _come_near(self, cuts: Sequence[WindowCut]) -> bool:
+        return len(self._ticks) > 2 and any(_near(one, other) for one, other in combinations(cuts, 2))
+
+    def _saved(self) -> Callable[[], None]:
+        """Remember how far the windows are; calling the result restores it."""
+        kept, tracks = [copy(carry) for carry in self._carries], [track.save() for track in self._tracks]
+
+        def restore() -> None:
+            self._carries = kept
+            for track in tracks:
+                track()
+
+        return restore
+
+
+def _do_nothing() -> None:
+    """Nobody divides the windows of a single track."""
 
 
 def _grips(stint: Stint) -> bool:

@@ -51,6 +51,30 @@ class Zone:
         upper = np.maximum(start, end).max(axis=0) + ends.max(axis=0) + across
         return lower, upper
 
+    def bounds_by_step(
+        self, ends: tuple[Array, Array], first: NDArray[np.int64], axes: tuple[Array, Array], margin: float = 0.0
+    ) -> tuple[Array, Array]:
+        """The same for each of n steps on the way: corners (n, 3) (n, 3).
+
+        The tip goes along pieces between `ends` (c, 3); `first` (n,) is the first piece of each step. `axes` (n, 3)
+        are those at the beginnings and at the ends of the steps. The box of a step without a piece has no end.
+        """
+        lower, upper = np.full((2, len(first), 3), -inf)
+        upper[:] = inf
+        count = np.diff(first, append=len(ends[0]))
+        some = np.flatnonzero(count)
+        if self.everywhere or not len(some):
+            return lower, upper
+        one, other = (axis[some] for axis in axes)
+        tilts = np.stack([-self.below * one, -self.below * other, self.above * one, self.above * other])
+        steepest = np.where(one * other > 0.0, np.minimum(np.abs(one), np.abs(other)), 0.0)
+        across = self.radius * np.sqrt(np.maximum(1.0 - steepest * steepest, 0.0)) + margin
+        least = np.minimum.reduceat(np.minimum(*ends), first[some], axis=0)
+        most = np.maximum.reduceat(np.maximum(*ends), first[some], axis=0)
+        lower[some] = least + tilts.min(axis=0) - across
+        upper[some] = most + tilts.max(axis=0) + across
+        return lower, upper
+
 
 EVERYWHERE = Zone(radius=inf)
 """For a process that wants to see every step, wherever the tool is."""

@@ -101,8 +101,11 @@ class Instants:
         self.count += len(at)
 
     def _since_start(self, name: str, values: Array) -> Array:
-        """The sum (n,) of `values` (n,) and of all that came before under this name."""
-        sums: Array = self._sums.get(name, 0.0) + np.cumsum(values)
+        """The sum (n,) of `values` (n,) and of all that came before under this name: one after the other, so that no
+
+        bit depends on where windows begin.
+        """
+        sums: Array = np.cumsum(np.append(self._sums.get(name, 0.0), values))[1:]
         self._sums[name] = float(sums[-1])
         return sums
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from math import pi
 from pathlib import Path
+from random import Random
 from typing import Any
 
 import pytest
@@ -12,6 +13,8 @@ import pytest
 from gcodesim.cell import load_cell
 from gcodesim.diagnostics import SourceText
 from gcodesim.executor import pacing
+from gcodesim.executor.track import Windows
+from gcodesim.executor.weave import Weave
 from gcodesim.jobs.job import Options
 from gcodesim.log.logfile import LogFile
 from gcodesim.simulation import prepare, run
@@ -93,7 +96,51 @@ def test_nothing_depends_on_the_length_of_windows(tmp_path: Path, monkeypatch: p
     divided = ran(tmp_path / "divided", cell())
 
     assert divided == whole
-    assert content(tmp_path / "divided")[0] == content(tmp_path / "whole")[0]
+    assert content(tmp_path / "divided") == content(tmp_path / "whole")
+
+
+def crossing(seed: int) -> tuple[str, str]:
+    """Two programs whose tools go to and fro through the same part of the block, each at its own feed."""
+    draw, programs = Random(seed), []
+    for tool in (1, 2):
+        moves = [
+            f"G1 X{draw.uniform(-12, 12):.2f} Y{draw.uniform(-8, 8):.2f} F{draw.randint(1500, 3500)}" for _ in range(6)
+        ]
+        start = f"G21 G90\nT{tool} M6\nS9000 M3\nG0 X{draw.uniform(-12, 12):.2f} Y0 Z4\nG1 Z-{draw.uniform(0.5, 2):.2f} F900"
+        programs.append("\n".join([start, *moves, "G0 Z6", "M5", "M2", ""]))
+    return programs[0], programs[1]
+
+
+@pytest.mark.parametrize(
+    ("seed", "world"), [(1, "kinematic"), (2, "kinematic"), (3, "bullet"), pytest.param(4, "bullet", id="weak motors")]
+)
+def test_cut_together_or_step_by_step_is_the_same(
+    seed: int, world: str, tmp_path: Path, request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Files and log byte for byte; and windows whose tools cross are divided only where a motor is too weak."""
+    if world == "bullet":
+        pytest.importorskip("pybullet")
+    weak = "weak" in request.node.name
+    made = cell(simulation={"world": world})
+    if weak:
+        tip = {"mass": 5.5, "xyz": [0, 0, 80]}
+        for robot in made["robots"].values():
+            robot["payload"] = tip
+    left, right = crossing(seed)
+    divisions: list[int] = []
+    divide = Windows.divide
+    monkeypatch.setattr(Windows, "divide", lambda self: (divisions.append(len(self._ticks)), divide(self))[1])
+    together = ran(tmp_path / "together", made, left, right)
+    few = len(divisions)
+    monkeypatch.setattr(Weave, "fits", staticmethod(lambda cuts: False))
+
+    by_steps = ran(tmp_path / "by_steps", made, left, right)
+
+    assert together == by_steps
+    assert together["status"] == "ok"
+    assert content(tmp_path / "together") == content(tmp_path / "by_steps")
+    assert len(divisions) > few + 50
+    assert few == 0 or weak
 
 
 def test_nothing_depends_on_the_order_in_the_cell(tmp_path: Path) -> None:
