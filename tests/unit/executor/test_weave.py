@@ -70,7 +70,7 @@ def test_who_comes_later_to_the_same_place_waits_for_nothing() -> None:
     low = np.stack([x, x - 10.0])[:, None, :, None] * np.ones(3)
 
     assert spells(low, low + 1.0) == [(0, 30), (1, 30)]
-    assert spells(low[::-1].copy(), low[::-1] + 1.0)[0] == (0, 11)  # its next step comes after the other's first
+    assert spells(low[::-1].copy(), low[::-1] + 1.0)[0] == (0, 10)  # its next step comes after the other's first
 
 
 def test_tools_on_one_spot_take_turns() -> None:
@@ -84,7 +84,7 @@ def test_boxes_of_steps_make_the_box_of_the_window(seed: int) -> None:
     draw = np.random.default_rng(seed)
     points, first = draw.normal(size=(13, 3)), np.sort(draw.choice(np.arange(1, 12), 4, replace=False))
     first = np.append(0, first)
-    axis = draw.normal(size=(6, 3)) + [0.0, 0.0, 3.0]
+    axis = draw.normal(size=(6, 3)) + np.array([0.0, 0.0, 3.0])
     axis /= np.sqrt((axis * axis).sum(axis=1))[:, None]
     zone = Zone(radius=0.5, below=0.2, above=3.0)
 
