@@ -190,6 +190,7 @@ def _operation() -> Json:
         time_s=number("all of it: moves, dwells, tool change"),
         feed_mm=number("way at feed"),
         rapid_mm=number("way in rapid"),
+        removed_mm3=number("material taken"),
         **_paces(),
     )
 
@@ -360,10 +361,11 @@ def _target() -> Json:
             record("a loose piece", volume_mm3=number("its volume"), **place),
         ),
         scallops=array(
-            "ridges between passes of each tool with a round edge that made some of the part, in patches of its skin",
+            "ridges between passes of each operation that made some of the part with a round edge, by patches of skin",
             record(
-                "a tool",
-                tool=whole("its number", least=0),
+                "an operation",
+                tool=whole("its tool", least=0),
+                operation=text("its name, as in `operations`"),
                 area_mm2=number("skin of the patches that were looked at"),
                 typical_mm=number("half of this area has lower ridges: highest less lowest distance from the target"),
                 most_mm=number("the highest"),

@@ -1,4 +1,4 @@
-"""How a program spends its time by operation: from one tool change, or one comment that stands alone, to the next."""
+"""What a program does by operation: from one tool change, or one comment that stands alone, to the next."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from gcodesim.frozen import frozen
 from gcodesim.jobs.paces import RowPaces
 from gcodesim.motion.tool_path import HOME, RAPID, ToolPath
 from gcodesim.numbers import rounded
-from gcodesim.units import MM, MM_PER_MINUTE
+from gcodesim.units import MM, MM3, MM_PER_MINUTE
 
 _ALONE: Final = re.compile(r"\s*/?\s*(?:[Nn]\d+\s*)?(?:\(([^()]*)\)|;(.*))\s*")
 _NO_NAME: Final = re.compile(r"\s*(?:finish|end|msg|debug|print|log|expect|probe)", re.IGNORECASE)
@@ -30,7 +30,7 @@ _SAID: Final = re.compile(r".*\boperation\s*[:=]\s*(.+)", re.IGNORECASE)
 class RowTimes:
     """What is known of the rows of a path (n,): `time` [s], `distance` [m] and paces; and where the machine stood.
 
-    `engaged` [s]: how long the tool acted on something; None where nothing was cut, as in a check.
+    `engaged` [s]: how long the tool acted on something; `removed` [m³]; None where nothing was cut, as in a check.
     """
 
     time: Array
@@ -38,6 +38,18 @@ class RowTimes:
     paces: RowPaces
     stands: Sequence[tuple[int, Span, float]]
     engaged: Array | None = None
+    removed: Array | None = None
+
+
+class Operations(NamedTuple):
+    """Which operation each row of a path is of: `number` (n,) counts up from 0; `names` of each, empty if none."""
+
+    number: NDArray[np.int64]
+    names: Sequence[str]
+
+    def name_of(self, row: int, tools: Mapping[int, str], tool: int) -> str:
+        """How the operation of a row is called: as its comment says, or as its tool."""
+        return self.names[int(self.number[row])] or tools.get(tool, f"T{tool}")
 
 
 def pace_figures(rows: NDArray[np.bool_], path: ToolPath, known: RowTimes) -> dict[str, Any]:
@@ -63,28 +75,32 @@ def _air_share(time: Array, engaged: Array) -> float:
     return rounded(1.0 - float(np.minimum(engaged, time).sum()) / whole if whole else 0.0)
 
 
+def operations_of(path: ToolPath, file: str, lines: LineTable) -> Operations:
+    """The operations of a path, in the order of the run; `lines` are those of `file`.
+
+    An operation begins where a tool is changed or a comment stands alone in the program, if something was fed since
+    the one before. Its name is the last comment that says `operation: NAME`, else the last.
+    """
+    starts = _merged(_heads(path, file, lines), path) if len(path) else {}
+    number = np.zeros(len(path), dtype=np.int64)
+    number[list(starts)[1:]] = 1
+    return Operations(np.cumsum(number), tuple(starts.values()))
+
+
 def operation_rows(
     path: ToolPath, file: str, lines: LineTable, names: Mapping[int, str], known: RowTimes
 ) -> list[dict[str, Any]]:
-    """One entry an operation, in the order of the run: name, tool, lines, time and paces. `lines` are those of `file`.
-
-    An operation begins where a tool is changed or a comment stands alone in the program, if something was fed since
-    the one before. Its name is the last comment that says `operation: NAME`, else the last, else that of its tool.
-    """
+    """One entry an operation that feeds, in the order of the run: name, tool, lines, time, volume and paces."""
     if not len(path):
         return []
-    heads = _heads(path, file, lines)
-    starts = _merged(heads, path)
-    number = np.zeros(len(path), dtype=np.int64)
-    number[list(starts)[1:]] = 1
-    number = np.cumsum(number)
+    operations = operations_of(path, file, lines)
     feeds = (path.kind != RAPID) & (path.kind != HOME)
-    stood = np.zeros(len(starts))
+    stood = np.zeros(len(operations.names))
     for row, _, seconds in known.stands:
-        stood[number[min(row, len(path) - 1)]] += seconds
+        stood[operations.number[min(row, len(path) - 1)]] += seconds
     entries = []
-    for index, name in enumerate(starts.values()):
-        rows = number == index
+    for index in range(len(operations.names)):
+        rows = operations.number == index
         if not (rows & feeds).any():
             continue
         fed = np.flatnonzero(rows & feeds)
@@ -92,13 +108,14 @@ def operation_rows(
         spans = [path.span(int(row)) for row in (np.flatnonzero(rows)[0], np.flatnonzero(rows)[-1])]
         entries.append(
             {
-                "name": name or names.get(tool, f"T{tool}"),
+                "name": operations.name_of(int(fed[0]), names, tool),
                 "tool": int(tool),
                 "first_line": spans[0].line,
                 "last_line": spans[1].line,
                 "time_s": rounded(float(known.time[rows].sum()) + float(stood[index])),
                 "feed_mm": rounded(float(known.distance[rows & feeds].sum()) / MM),
                 "rapid_mm": rounded(float(known.distance[rows & ~feeds].sum()) / MM),
+                "removed_mm3": rounded(0.0 if known.removed is None else float(known.removed[rows].sum()) / MM3),
                 **pace_figures(rows, path, known),
             }
         )

@@ -34,7 +34,7 @@ from gcodesim.jobs.results import (
 )
 from gcodesim.motion.tool_path import HOME, RAPID
 from gcodesim.numbers import rounded
-from gcodesim.processes.column import LINES, RESULTS
+from gcodesim.processes.column import LINES, REMOVED, RESULTS
 from gcodesim.processes.melting import METALS, mostly
 from gcodesim.shop import PlacedStock, Shop
 from gcodesim.solids.mass import mass_of_skin
@@ -148,7 +148,8 @@ def _results_of(job: Job, execution: Execution | None, *, failed: bool) -> Resul
     own = shop.sheet.own(RESULTS)
     paces = row_paces(plan.trajectory)
     engaged = None if totals is None or job.options.only == "motion" else totals["engaged"]
-    known = RowTimes(time=row_time, distance=length, paces=paces, stands=stands, engaged=engaged)
+    removed = None if totals is None else totals[REMOVED.name]
+    known = RowTimes(time=row_time, distance=length, paces=paces, stands=stands, engaged=engaged, removed=removed)
     return Results(
         status="failed" if failed else "findings" if bad else "ok",
         stopped_at=stopped,

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from gcodesim.frames import Array
     from gcodesim.jobs.job import Job
     from gcodesim.material.deviation import Misfit
-    from gcodesim.material.passes import Passes
+    from gcodesim.material.passes import Makers, Passes
     from gcodesim.shop import PlacedStock
 
 
@@ -32,10 +32,10 @@ def slack_of(cell: float) -> float:
 
 def painted(
     job: Job, placed: PlacedStock, passes: Passes, target: Mesh, tolerance: float, regions: Sequence[Misfit]
-) -> PaintedSkin:
-    """The skin of a stock as it is now; `target` stands in the stock's frame, `tolerance` is in m.
+) -> tuple[PaintedSkin, Makers]:
+    """The skin of a stock as it is now, and which row made each face; `target` stands in the stock's frame.
 
-    `regions` are the places out of tolerance, in the order of the results.
+    `tolerance` is in m; `regions` are the places out of tolerance, in the order of the results.
     """
     vertices, faces, points, normals = skin_to_paint(placed.stock)
     made = passes.makers(points, slack_of(placed.stock.cell), within=True)
@@ -50,7 +50,7 @@ def painted(
             span, tool = plan.path.span(row), plan.path.states[plan.path.state[row]].tool
             number[k] = known.setdefault((span.file, span.line, tool), len(known))
     maker = number[which.reshape(-1)]
-    return PaintedSkin(
+    skin = PaintedSkin(
         vertices=vertices,
         faces=faces,
         deviation=deviations(target, points, normals),
@@ -60,6 +60,7 @@ def painted(
         tolerance=tolerance,
         spots=np.array([(region.low, region.high) for region in regions]).reshape(-1, 2, 3),
     )
+    return skin, made
 
 
 def turn_of(placed: PlacedStock) -> Array:

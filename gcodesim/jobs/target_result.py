@@ -125,7 +125,8 @@ class TargetResult:
             "loose": [each.as_json() for each in self.loose],
             "scallops": [
                 {
-                    "tool": each.tool,
+                    "tool": each.work.tool,
+                    "operation": each.work.operation,
                     "area_mm2": rounded(each.area / MM2),
                     "typical_mm": rounded(each.typical / MM),
                     "most_mm": rounded(each.most / MM),

@@ -14,6 +14,7 @@ from gcodesim.checks.target import loose_finding, target_findings
 from gcodesim.diagnostics import Diagnostic, Span
 from gcodesim.frames import Array, Pose
 from gcodesim.frozen import frozen
+from gcodesim.jobs.operations import operations_of
 from gcodesim.jobs.skins import slack_of
 from gcodesim.jobs.target_result import MOST_REGIONS, LooseResult, MakerLine, RegionResult, TargetResult
 from gcodesim.motion.tool_path import HOME, RAPID
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
     from gcodesim.jobs.job import Job
     from gcodesim.material.deviation import Deviation, Misfit
     from gcodesim.material.passes import Makers, Passes
+    from gcodesim.material.scallops import Work
     from gcodesim.motion.tool_path import ToolPath
     from gcodesim.shop import PlacedStock, Shop
 
@@ -69,11 +71,9 @@ def verify(job: Job, execution: Execution) -> tuple[TargetResult | None, list[Di
     result = _Blame(job, placed, passes).result(cell.target, deviation)
     tolerance = cell.target.tolerance
     regions = _told(deviation)
-    skin = painted(job, placed, passes, (vertices, mesh.faces), tolerance, regions)
+    skin, makers = painted(job, placed, passes, (vertices, mesh.faces), tolerance, regions)
     job.skins[placed.name] = skin
-    rounded = {number: tool for number, tool in cell.tools.items() if isinstance(tool, Cutter) and tool.leaves_ridges}
-    radii = {number: tool.radius for number, tool in rounded.items()}
-    result = replace(result, scallops=list(scallops_of(skin, radii, passes)))
+    result = replace(result, scallops=list(scallops_of(skin, *_works(job, makers), passes)))
     program = Span(job.program.name)
     totals = {True: (result.gouges, result.gouge), False: (result.excesses, result.excess)}
     found = list(target_findings(result.regions, totals, result.tolerance, program))
@@ -83,6 +83,31 @@ def verify(job: Job, execution: Execution) -> tuple[TargetResult | None, list[Di
         hint = "what is out there is not compared; look at `zero` and `in` of both, and at the unit of the mesh"
         found.append(Diagnostic(code="GS444", span=span, message=how, hint=hint))
     return result, found
+
+
+def _works(job: Job, makers: Makers) -> tuple[NDArray[np.int64], list[Work]]:
+    """For each face the number of the work that made it, or -1; and the works that leave ridges, in order."""
+    from gcodesim.material.scallops import Work
+
+    assert job.cell is not None
+    made = np.full(len(makers.row), -1, dtype=np.int64)
+    works: list[Work] = []
+    names = {number: tool.name for number, tool in job.cell.tools.items()}
+    for number, each in enumerate(job.all):
+        assert each.plan is not None
+        path = each.plan.path
+        faces = np.flatnonzero((makers.program == number) & (makers.row >= 0))
+        rows = makers.row[faces]
+        operations = operations_of(path, each.program.name, each.program.table)
+        for operation in np.unique(operations.number[rows]).tolist():
+            own = operations.number[rows] == operation
+            row = int(rows[own][0])
+            tool = int(path.state_of(row).tool)
+            cutter = job.cell.tools.get(tool)
+            if isinstance(cutter, Cutter) and cutter.leaves_ridges:
+                made[faces[own]] = len(works)
+                works.append(Work(tool, operations.name_of(row, names, tool), cutter.radius))
+    return made, works
 
 
 def _told(deviation: Deviation) -> list[Misfit]:

@@ -1,8 +1,8 @@
-"""How high the ridges are that a tool left between its passes."""
+"""How high the ridges are that a tool left between its passes in one operation."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from gcodesim.material.passes import Passes
 
 Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
 
 FEWEST: Final = 24
 """Faces of a patch: fewer may all lie on one side of a ridge."""
@@ -27,7 +28,7 @@ LEVEL: Final = 0.8
 """Cosine between the normals of a face and of its patch, at least: others lie across an edge of the part."""
 
 LOOKED_AT: Final = 24
-"""Patches of a tool whose ridge is looked for between the faces: from the lowest to the highest, evenly."""
+"""Patches of a work whose ridge is looked for between the faces: from the lowest to the highest, evenly."""
 
 ROUNDS: Final = 3
 """In which the top of a ridge is looked for, each `CLOSER` than the one before."""
@@ -44,11 +45,19 @@ STEEPEST: Final = 0.6
 """Rise of a ridge beside a face, over the way there: what rises more is a wall of the part."""
 
 
-@frozen
-class Scallops:
-    """Ridges of a tool by its number on `area` [m²]: on half of it below `typical` [m], nowhere above `most` [m]."""
+class Work(NamedTuple):
+    """What one tool of this number and radius [m] at its tip did in one operation."""
 
     tool: int
+    operation: str
+    radius: float
+
+
+@frozen
+class Scallops:
+    """Ridges that a work left on `area` [m²]: on half of it below `typical` [m], nowhere above `most` [m]."""
+
+    work: Work
     area: float
     typical: float
     most: float
@@ -66,30 +75,30 @@ class _Patch(NamedTuple):
     apart: float
 
 
-def scallops_of(skin: PaintedSkin, radii: Mapping[int, float], passes: Passes) -> Iterator[Scallops]:
-    """The ridges of each tool of those with `radii` [m] by their numbers that made enough of a skin.
+def scallops_of(skin: PaintedSkin, made: Ints, works: Sequence[Work], passes: Passes) -> Iterator[Scallops]:
+    """The ridges of each of the works that made enough of a skin; `made` (f,) is an index into them, -1 for none.
 
-    The skin of a tool is looked at in patches as wide as its radius. In each, a ridge is as high as its highest point
-    is farther from the target than its lowest. So what the program leaves on for a later pass does not count, and the
-    direction of a face does not matter. The top of a ridge lies between faces: it is looked for beside the highest one,
-    where the way from the target to the nearest of the `passes` is longest.
+    The skin of a work is looked at in patches as wide as the radius of its tool. In each, a ridge is as high as its
+    highest point is farther from the target than its lowest. So what the program leaves on for a later pass does not
+    count, and the direction of a face does not matter. The top of a ridge lies between faces: it is looked for beside
+    the highest one, where the way from the target to the nearest of the `passes` is longest.
     """
     middle, normal = middles(skin.vertices, skin.faces)
     a, b, c = (skin.vertices[skin.faces[:, k]] for k in range(3))
     area = 0.5 * norms(np.cross(b - a, c - a))
-    tools = np.array([maker.tool for maker in skin.makers] or [0])
-    tool = np.where(skin.maker >= 0, tools[skin.maker], -1)
-    for number in sorted(radii.keys() & set(tool.tolist())):
-        own = tool == number
+    for number, work in enumerate(works):
+        own = made == number
+        if not own.any():
+            continue
         apart = float(np.sqrt(2.0 * area[own].mean()))
-        size = max(radii[number], ACROSS * apart)
+        size = max(work.radius, ACROSS * apart)
         patches = _patches(middle[own], normal[own], area[own], skin.deviation[own], (size, apart))
         if not patches:
             continue
         chosen = np.unique(np.linspace(0, len(patches) - 1, LOOKED_AT).astype(int))
         heights = [_top(patches[k], passes) - patches[k].lowest for k in chosen.tolist()]
         yield Scallops(
-            tool=number,
+            work=work,
             area=float(sum(patch.area for patch in patches)),
             typical=float(np.median(heights)),
             most=float(max(heights)),

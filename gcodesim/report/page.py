@@ -157,7 +157,9 @@ def run_data(recording: Recording, name: str, pack: Pack) -> dict[str, Any]:
         "times": _times(recording),
         "results": {
             key: results.get(key)
-            for key in ("time", "distance", "stocks", "tools", "joints", "not_simulated", "inputs", "target")
+            for key in (
+                *("time", "distance", "stocks", "tools", "operations", "joints", "not_simulated", "inputs", "target"),
+            )
         },
     }
     # only now, after everything was read, is it known what cannot be read

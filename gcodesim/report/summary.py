@@ -117,7 +117,7 @@ def _target_rows(target: TargetResult) -> list[list[str]]:
             where = f"in {count} place{'' if count == 1 else 's'}"
             rows.append([f"{target.stock}: {name}", f"{value[f'{name}_mm3']:.1f} mm³", where])
     for ridges in value["scallops"]:
-        remark = f"half of {ridges['area_mm2']:.0f} mm² below, up to {ridges['most_mm']:.3f} mm"
+        remark = f"half of {ridges['area_mm2']:.0f} mm² below, up to {ridges['most_mm']:.3f} mm; {ridges['operation']}"
         rows.append([f"{target.stock}: scallops of T{ridges['tool']}", f"{ridges['typical_mm']:.3f} mm", remark])
     return rows
 

@@ -124,7 +124,19 @@ def _print_times(report: TimeReport) -> None:
     print_table(rows)
     if report.operations:
         print("\nby operation: from one tool change, or one comment that stands alone, to the next")
-        head = ["operation", "tool", "lines", "time", "", "at feed", "mean", "least", "share at the feed", "in the air"]
+        head = [
+            "operation",
+            "tool",
+            "lines",
+            "time",
+            "",
+            "removed",
+            "at feed",
+            "mean",
+            "least",
+            "share at the feed",
+            "in the air",
+        ]
         rows = [head]
         for one in report.operations:
             rows.append(
@@ -134,6 +146,7 @@ def _print_times(report: TimeReport) -> None:
                     f"{one['first_line']} to {one['last_line']}",
                     f"{one['time_s']:.1f} s",
                     share(one["time_s"]),
+                    "" if one.get("removed_mm3") is None else f"{one['removed_mm3']:.0f} mm³",
                     f"{one['feed_mm']:.0f} mm",
                     f"{one['mean_feed_mm_min']:.0f} mm/min",
                     f"{one['least_feed_mm_min']:.0f} mm/min",

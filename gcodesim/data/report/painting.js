@@ -156,6 +156,18 @@ Object.assign(G.View.prototype, {
   },
 });
 
+// How high the ridges are that each operation of a round tool left on the part.
+G.scallopTable = (place, run) => {
+  const ridges = run.results.target?.scallops || [];
+  if (!ridges.length) return;
+  G.table(place, `${G.runs.length > 1 ? `${run.name}: ` : ""}Scallops`, "ridges between passes, against the target: half of the area has lower ones",
+    [["operation", "l"], ["tool"], ["mm²"], ["typical mm"], ["highest mm"]],
+    ridges.map((one) => ({
+      cells: [one.operation ?? "–", `T${one.tool}`, G.number(one.area_mm2, 0), G.number(one.typical_mm, 4), G.number(one.most_mm, 4)],
+      t: (() => { const own = (run.results.operations || []).find((other) => other.name === one.operation && other.tool === one.tool); return own ? G.firstOf(run, run.program, own.first_line) : null; })(),
+    })));
+};
+
 // Where the part is not what it should be: each place leads to its line, and the view to the place.
 G.targetTable = (place, run) => {
   const target = run.results.target;

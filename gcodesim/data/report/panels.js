@@ -232,7 +232,10 @@ G.differences = (place, { summary, differences }) => {
 G.tables = (place) => {
   if (G.setups) G.setupTable(place);
   if (G.comparison) G.differences(place, G.comparison);
-  for (const run of G.runs) G.targetTable(place, run);
+  for (const run of G.runs) {
+    G.targetTable(place, run);
+    G.scallopTable(place, run);
+  }
   G.findings(place);
   if (G.runs.length > 1) G.compared(place);
   for (const run of G.runs) {
@@ -251,9 +254,9 @@ G.tables = (place) => {
     }
     if ((results.operations || []).length) {
       G.table(place, `${name}Time by operation`, "from one tool change, or one comment that stands alone, to the next",
-        [["operation", "l"], ["tool"], ["lines"], ["time"], [""], ["at feed mm"], ["rapid mm"], ["mean mm/min"], ["least mm/min"], ["share at the feed"], ["in the air"]],
+        [["operation", "l"], ["tool"], ["lines"], ["time"], [""], ["mm³"], ["at feed mm"], ["rapid mm"], ["mean mm/min"], ["least mm/min"], ["share at the feed"], ["in the air"]],
         results.operations.map((one) => ({
-          cells: [one.name, `T${one.tool}`, `${one.first_line}–${one.last_line}`, G.clock(one.time_s), G.share(one.time_s, total), G.number(one.feed_mm, 0), G.number(one.rapid_mm, 0),
+          cells: [one.name, `T${one.tool}`, `${one.first_line}–${one.last_line}`, G.clock(one.time_s), G.share(one.time_s, total), one.removed_mm3 == null ? "" : G.volume(one.removed_mm3), G.number(one.feed_mm, 0), G.number(one.rapid_mm, 0),
             G.number(one.mean_feed_mm_min, 0), G.number(one.least_feed_mm_min, 0), G.share(one.share_at_feed, 1), one.air_share == null ? "" : G.share(one.air_share, 1)],
           t: G.firstOf(run, run.program, one.first_line),
         })));

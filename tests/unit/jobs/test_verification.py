@@ -193,5 +193,23 @@ def test_ridges_of_a_ball_are_as_high_as_their_formula(outcome, left):
     assert 0.95 * height < ridges["typical_mm"] <= ridges["most_mm"] < 1.02 * height
 
 
+def test_ridges_and_volumes_are_told_of_each_operation(outcome):
+    """The same ball, coarse and fine: half of the plate with rows 1.2 mm apart, half with 0.8 mm."""
+    radius, rows = 3.0, []
+    for name, steps in (("Rough", np.arange(-3.0, 15.1, 1.2)), ("Operation: Fine", np.arange(15.0, 33.1, 0.8))):
+        rows += [f"({name})", *(f"G0 X-5 Y{y:g} Z2\nG1 Z-1 F2000\nX45" for y in steps)]
+    ball = f"{{type: ball_end_mill, diameter: {2 * radius}, length: 40}}"
+    found = outcome(rows, block(top=-1), stock=BLOCK.replace("0.5", "0.2"), tool=ball).as_json()
+
+    coarse, fine = found["target"]["scallops"]
+    assert [each["operation"] for each in (coarse, fine)] == ["Rough", "Fine"]
+    for ridges, step in ((coarse, 1.2), (fine, 0.8)):
+        height = radius - math.sqrt(radius**2 - (step / 2) ** 2)
+        assert 0.85 * height < ridges["typical_mm"] < 1.03 * height
+    volumes = [each["removed_mm3"] for each in found["operations"]]
+    assert volumes[0] > 1.2 * volumes[1] > 0
+    assert sum(volumes) == pytest.approx(found["tools"][0]["removed_mm3"], rel=1e-6)
+
+
 def test_a_flat_mill_leaves_no_ridges(outcome):
     assert outcome(GOOD, SLOTTED).as_json()["target"]["scallops"] == []

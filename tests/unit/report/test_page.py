@@ -49,6 +49,13 @@ def get(page):
     return get
 
 
+def test_the_page_has_the_operations(index):
+    results = index["runs"][0]["results"]
+    volumes = [one["removed_mm3"] for one in results["operations"]]
+
+    assert sum(volumes) == pytest.approx(sum(tool["removed_mm3"] for tool in results["tools"])) and max(volumes) > 0.0
+
+
 def test_nothing_is_taken_from_outside(page):
     own = re.sub(r"<script>.*?</script>", "", page, count=2, flags=re.DOTALL)  # libraries quote addresses in comments
 
