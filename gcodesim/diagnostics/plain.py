@@ -27,6 +27,14 @@ def one_line(text: str) -> str:
     return _UNFIT_LINE.sub(_number, text)
 
 
+_MARKDOWN: Final = re.compile(r"[\\`\[\]<|]")
+
+
+def markdown_text(text: str) -> str:
+    """A piece of a line of Markdown that stays text: no link, no picture of another host, no HTML, no cell of a table."""
+    return _MARKDOWN.sub(r"\\\g<0>", one_line(text))
+
+
 def lines(text: str) -> str:
     """A text of several lines, none of which is a command; line feeds and tabs stay."""
     return _COMMAND.sub(_number, _UNFIT.sub(_number, text))

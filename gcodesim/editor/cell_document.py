@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from gcodesim.diagnostics import Diagnostic, Findings, SourceText
+from gcodesim.diagnostics.plain import markdown_text
 from gcodesim.editor.completion import Offer
 from gcodesim.editor.hover import Hover
 from gcodesim.editor.place import TextRange, range_of
@@ -57,7 +58,7 @@ class CellDocument:
         text = None if schema is None else schema.get("description")
         if not text:
             return None
-        return Hover(f"**{path[-1]}** {text}{_kinds(schema)}", TextRange(line, begin, line, end))
+        return Hover(f"**{markdown_text(path[-1])}** {text}{_kinds(schema)}", TextRange(line, begin, line, end))
 
     def offers(self, line: int, column: int) -> list[Offer]:
         """Keys where a key may stand, values where a value may, and units behind a number."""

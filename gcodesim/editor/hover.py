@@ -7,7 +7,7 @@ from itertools import pairwise
 from typing import TYPE_CHECKING, NamedTuple
 
 from gcodesim.canon.listing import as_text
-from gcodesim.diagnostics.plain import one_line
+from gcodesim.diagnostics.plain import markdown_text, one_line
 from gcodesim.editor.place import TextRange
 from gcodesim.editor.state_text import number, rows
 from gcodesim.rs274.dialects.meanings import LETTERS, meanings_of
@@ -88,16 +88,17 @@ def _of_letter(document: ProgramDocument, letter: str, rest: str, tokens: list[T
     of = f" (of {' '.join(user)})" if user else ""
     said = f"**{code}** {LETTERS.get(letter, 'a word')}{of}"
     if letter in "TH" and rest.isdigit() and (name := document.tool_names.get(int(rest))):
-        said += f": {name}"
+        said += f": {markdown_text(name)}"
     return said
 
 
 def _of_parameter(name: str, moment: LineMoment | None) -> str:
+    word = f"**#{markdown_text(name)}**"
     if moment is None:
-        return f"**#{name}** a parameter"
+        return f"{word} a parameter"
     values = moment.before.parameters, moment.after.parameters
     shown = [_value(one, name) for one in values]
-    return f"**#{name}** is {shown[0]}" + (f", then {shown[1]}" if shown[1] != shown[0] else "")
+    return f"{word} is {shown[0]}" + (f", then {shown[1]}" if shown[1] != shown[0] else "")
 
 
 def _value(parameters: Parameters, name: str) -> str:
@@ -111,11 +112,13 @@ def _value(parameters: Parameters, name: str) -> str:
 
 def _of_o_word(document: ProgramDocument, tokens: list[Token]) -> str:
     words = " ".join(token.text for token in tokens[:3] if token.kind in ("O", "NUMBER", "NAME", "KEYWORD"))
-    return f"**{one_line(words)}**"
+    return f"**{markdown_text(words)}**"
 
 
 def _table(document: ProgramDocument, moment: LineMoment) -> str:
-    lines = [f"| {what} | {value} |" for what, value in rows(moment.before, moment.after, document.tool_names)]
+    lines = [
+        f"| {what} | {markdown_text(value)} |" for what, value in rows(moment.before, moment.after, document.tool_names)
+    ]
     return "\n".join(["| | |", "|---|---|", *lines])
 
 

@@ -1,10 +1,12 @@
 """A program in an editor: meanings, places, names, and the findings of `lint`."""
 
 import json
+import re
 import sys
 from pathlib import Path
 
 import pytest
+from markdown_it import MarkdownIt
 
 sys.path.insert(0, str(Path(__file__).parent))
 
@@ -38,8 +40,34 @@ def test_hover_tells_what_a_word_means_and_what_its_line_does(tmp_path):
     assert "(of G0): " not in text_at(document, "X10")
     assert text_at(document, "X10").startswith("**X10** end of the move along X (of G0)")
     assert "none → T1 (Schlichter, flat_end_mill)" in text_at(document, "T1 M6")
-    assert "**#<depth>** is 3" in text_at(document, "#<depth> F200")
+    assert r"**#\<depth>** is 3" in text_at(document, "#<depth> F200")
     assert "**#100** is not set, then 5" in text_at(document, "#100=5") or "is 0, then 5" in text_at(document, "#100=5")
+
+
+def test_names_of_a_stranger_are_no_markdown(tmp_path):
+    """An editor would load the picture of another host, and offer the command as a link."""
+    name = "[go](command:x) ![y](http://evil.example/y) <img/src=//evil.example> `a`|\\n# b"
+    cell = CELL.replace("Schlichter", f'"{name}"')
+    text = "T1 M6\n#<[go](command:x)>=1\no<![y](//evil)> sub\no<![y](//evil)> endsub\nM2\n"
+    document = program(tmp_path, text, cell)
+
+    shown = [hover(document, line, column).text for line in range(4) for column in (1, 3, 8)]
+    assert any("/evil.example/" in text for text in shown)
+    for text in shown:
+        page = MarkdownIt("commonmark").enable("table").render(text)
+        assert set(re.findall(r"<(\w+)", page)) <= {
+            "p",
+            "strong",
+            "table",
+            "thead",
+            "tbody",
+            "tr",
+            "th",
+            "td",
+            "pre",
+            "code",
+        }
+        assert "|" not in re.sub(r"`a`\|", "", page)
 
 
 def test_hover_in_a_faulty_line_and_in_none(tmp_path):
