@@ -28,11 +28,19 @@ _TOOL_WORD = re.compile(r"(?<![A-Za-z#<])[Tt]\s*([0-9]{1,5})(?![0-9.])")
 _TOOL_COMMENT = re.compile(r"\b(?:T|TOOL\s*#?)\s*([0-9]{1,5})\b", re.IGNORECASE)
 _UNIT = r"\s*(mm\b|in\b|inch\b|\"|'')?"
 _FRACTION = re.compile(r"(?<![0-9./])([0-9]{1,2})\s*/\s*(2|4|8|16|32|64)(?![0-9.])")  # of an inch
+_STYLE = (
+    "(?:flat|ball|bull|nose|corner|chamfer|spot|center|centre|twist|stub|jobber|carbide|hss|rough|roughing|finish|"
+    "finishing|end|face)"
+)
 _DIAMETERS: Final = (
     re.compile(rf"(?:(?<![A-Za-z])D(?:IA(?:METER)?)?\.?\s*[=:]?\s*|[ØøΦ]\s*){_NUMBER}{_UNIT}", re.IGNORECASE),
     re.compile(rf"TOOL/MILL\s*,\s*{_NUMBER}()", re.IGNORECASE),
     re.compile(rf"(?<![0-9.]){_NUMBER}\s*(mm|in|\")", re.IGNORECASE),
-    re.compile(rf"(?:mill|drill)\s+{_NUMBER}()", re.IGNORECASE),
+    re.compile(
+        rf"(?<![A-Za-z0-9.-])([0-9]+\.[0-9]*|\.[0-9]+)()\s+(?:{_STYLE}\s+)*(?:(?:end)?mill|drill|reamer)\b",
+        re.IGNORECASE,
+    ),
+    re.compile(rf"(?:mill|drill)\s+{_NUMBER}()(?![0-9.-])", re.IGNORECASE),  # `DRILL 03-0018` is its place in a shelf
     re.compile(rf"^\s*:\s*{_NUMBER}()\s*$"),
 )
 _OF_A_TOOL = re.compile(r"mill|drill|bit|tool|cutter|ball|fr[aäe]s|frez|bohr|broca|foret|\bdia", re.IGNORECASE)
