@@ -18,6 +18,7 @@ from gcodesim.motion import ToolPath, build_tool_path
 from gcodesim.motion.tool_path import ZERO
 from gcodesim.rs274 import Settings, interpret
 from gcodesim.rs274.assumed import assumed_tools
+from gcodesim.rs274.dialects import DIALECTS
 
 
 class InputError(ValueError):
@@ -37,7 +38,8 @@ def read(program: Path | str, settings: Settings | None = None) -> ToolPath:
     """
     source = SourceText.read(Path(program))
     reading = interpret(source, settings or Settings(tool_table=assumed_tools(source)))
-    path = build_tool_path(reading.stream(), ZERO)
+    stand = DIALECTS[reading.settings.dialect].rapids_stand
+    path = build_tool_path(reading.stream(), ZERO, rapids_stand=stand)
     if any(finding.level >= Severity.ERROR for finding in reading.findings):
         raise InputError(list(reading.findings), reading.sources)
     return path

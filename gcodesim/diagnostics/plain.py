@@ -31,7 +31,7 @@ _MARKDOWN: Final = re.compile(r"[\\`\[\]<|]")
 
 
 def markdown_text(text: str) -> str:
-    """A piece of a line of Markdown that stays text: no link, no picture of another host, no HTML, no cell of a table."""
+    """A piece of a line of Markdown that stays text: no link, no picture of another host, no HTML, no end of a cell."""
     return _MARKDOWN.sub(r"\\\g<0>", one_line(text))
 
 

@@ -43,6 +43,7 @@ from gcodesim.planning.legs import followed_by
 from gcodesim.planning.switched import history_of
 from gcodesim.processes import PROCESSES
 from gcodesim.processes.signal import ACTIVE, BEAM, BEAM_POWER, FLOW, SPRAY
+from gcodesim.rs274.dialects import DIALECTS
 from gcodesim.shop import Shop, with_stock
 from gcodesim.tools.gripper import Gripper
 from gcodesim.units import MM
@@ -74,7 +75,13 @@ class Legs:
         assert job.shop is not None and job.reading is not None and job.cell is not None
         self._job, self._reading = job, job.reading
         self._stream = job.reading.stream()
-        self._builder = PathBuilder(start, fastest=job.shop.fastest, length_leans=job.reading.settings.length_leans)
+        settings = job.reading.settings
+        self._builder = PathBuilder(
+            start,
+            fastest=job.shop.fastest,
+            length_leans=settings.length_leans,
+            rapids_stand=DIALECTS[settings.dialect].rapids_stand,
+        )
         self._marks = marks
         self._question: canon.ProbeMove | canon.Input | None = None
         self._reply: canon.Answer | None = None

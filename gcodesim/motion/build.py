@@ -72,6 +72,7 @@ def build_tool_path(
     *,
     path_control: PathMode | None = None,
     tilts: Mapping[int, Pose] | None = None,
+    rapids_stand: bool = False,
 ) -> ToolPath:
     """The moves of `events` as columns.
 
@@ -79,9 +80,9 @@ def build_tool_path(
     holds until the program's own (default: blend without tolerance). `tilts`
     maps a work system to a pose whose R tilts it about its p: a point q of that
     system becomes p + R (q - p), as on an arm whose G54 is not upright. Moves
-    in machine coordinates (G53, G28, G30) are not tilted.
+    in machine coordinates (G53, G28, G30) are not tilted. `rapids_stand`: each rapid ends at rest.
     """
-    builder = PathBuilder(start, path_control, tilts)
+    builder = PathBuilder(start, path_control, tilts, rapids_stand=rapids_stand)
     for event in events:
         builder.add(event)
     return builder.leg()
@@ -98,6 +99,7 @@ class PathBuilder:
         *,
         fastest: float | None = None,
         length_leans: bool = False,
+        rapids_stand: bool = False,
     ) -> None:
         """`fastest` [rad/s] is the greatest speed of a lathe's spindle, where the work turns about X0; else None.
 
@@ -105,6 +107,7 @@ class PathBuilder:
         """
         self.fastest = fastest
         self.length_leans = length_leans
+        self.rapids_stand = rapids_stand
         self.at: Axes = start
         self.first = start
         self.tilts = tilts or {}
@@ -160,6 +163,8 @@ class PathBuilder:
                     within.active,
                 )
         self.rows.add_batch(batch, feed=feed, state=state, tags=tags)
+        if self.rapids_stand:
+            self.rows.stop_at(*(first + np.flatnonzero(batch.kind == RAPID_MOVE)).tolist())
         self.at = tuple(batch.end[-1].tolist())
 
     def _states_of(self, words: NDArray[np.int32]) -> int | NDArray[np.int32]:
@@ -223,6 +228,8 @@ class PathBuilder:
     def _motion(self, event: Move) -> None:
         if isinstance(event, Rapid):
             self._row(HOME if event.home else RAPID, event, event.end, np.inf, False)
+            if self.rapids_stand:
+                self._stand()
         elif isinstance(event, ArcFeed) and self._paced(event) and not self.tilts:
             for end, sweep, feed in pace.along_arc(self.at, event, self._pace()):
                 self.rows.shape(event.center, event.normal, sweep)

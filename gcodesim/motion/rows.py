@@ -120,10 +120,9 @@ class PathRows:
         """The last row ends at rest."""
         self.stop_at(len(self) - 1)
 
-    def stop_at(self, row: int) -> None:
-        """Row `row` ends at rest; no row before the first does."""
-        if row >= 0:
-            self._stops.append(row)
+    def stop_at(self, *rows: int) -> None:
+        """These rows end at rest; no row before the first does."""
+        self._stops += [row for row in rows if row >= 0]
 
     def jump(self, at: Axes) -> None:
         """The next row begins at `at`, not where the last one ended."""

@@ -80,7 +80,8 @@ class Dialect:
     usual one first. `prints`: a control of 3D printers, whose E words are filament. `tip_m_codes` are M codes
     with which a control whose machine turns tool or work begins (True) and ends to hold the tip;
     a cell may map them to something else. `turret`: a tool change turns a turret, and the spindle, which carries the
-    work, goes on.
+    work, goes on. `rapids_stand`: a rapid move ends at rest, whatever the path control (FANUC, B-63944EN, 4.1: it is
+    decelerated at the end of its block, and the next one begins when it is in position).
     """
 
     name: str
@@ -117,6 +118,7 @@ class Dialect:
     prints: bool = False
     tip_m_codes: Mapping[int, bool] = field(default_factory=dict)
     turret: bool = False
+    rapids_stand: bool = False
 
     def option(self, name: str, given: Mapping[str, str]) -> str:
         """What an option of this control is set to, by the settings `given`; ValueError if it cannot be that."""

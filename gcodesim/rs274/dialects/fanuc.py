@@ -207,4 +207,5 @@ FANUC = Dialect(
         "compensation_start": ("A", "B"),  # how cutter compensation starts and is cancelled
         "compensation_blocks": ("3", "4", "5", "6", "7", "8"),  # how many blocks are read while it is on
     },
+    rapids_stand=True,
 )

@@ -7,6 +7,7 @@ from math import pi
 import numpy as np
 import pytest
 
+from gcodesim.api import read
 from gcodesim.canon import (
     Action,
     Axes,
@@ -31,6 +32,7 @@ from gcodesim.diagnostics import Span
 from gcodesim.frames import Pose, rotation_about
 from gcodesim.motion import build_tool_path
 from gcodesim.motion.tool_path import EXACT_PATH, EXACT_STOP, HOME, LINE, RAPID
+from gcodesim.rs274 import Settings
 
 AT = Span("t", 1, 1, 1, 2)
 ZERO: Axes = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
@@ -180,3 +182,15 @@ def test_a_tilted_system_turns_points_about_its_origin_but_not_machine_moves() -
     path = build_tool_path(events, tilts={1: tilt})
 
     assert np.allclose(path.end[:, :3], [[1, 0, 0], [1, 0, -1], [0, 0, 5]])
+
+
+def test_rapids_end_at_rest_where_the_control_has_it_so(tmp_path) -> None:
+    """Read block by block, and as a batch by the compiled lane."""
+    for blocks in (4, 2000):
+        program = tmp_path / "p.nc"
+        program.write_text("G21 G90\n" + "G0 X1. Y1.\nZ-1.\nG1 X2. F100.\nX3.\n" * (blocks // 4) + "M30\n")
+        for dialect in ("fanuc", "linuxcnc"):
+            path = read(program, Settings(dialect=dialect))
+            rapid = path.kind == RAPID
+            assert rapid.any() and not rapid.all()
+            assert (path.stop == (rapid if dialect == "fanuc" else False))[:-1].all()
