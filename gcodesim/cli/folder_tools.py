@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from gcodesim.cli.exits import USAGE
+from gcodesim.diagnostics.plain import plain_tree
 
 LONGEST: Final = 600.0
 """Seconds after which a command is ended."""
@@ -98,7 +99,7 @@ class FolderTools:
         output: Any = text
         if as_json and text.strip():
             try:
-                output = json.loads(text)
+                output = plain_tree(json.loads(text))  # a reader of these answers may do what hidden text says
             except ValueError:
                 output = text
         return {

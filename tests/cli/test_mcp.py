@@ -72,6 +72,19 @@ def test_run_writes_into_the_folder_and_diff_compares(folder: Path) -> None:
     assert tools.diff("good.nc", "good.nc", "cell.yaml")["exit_status"] == 0
 
 
+def test_no_text_of_a_stranger_is_hidden_in_an_answer(folder: Path) -> None:
+    """A model would read what people do not see: marks of direction, blanks of no width, invisible letters."""
+    hidden = "\u202e\u200b\U000e0041\U000e007f\x1b[2J"
+    (folder / "cell.yaml").write_text(
+        f"{CELL}tools: {{1: {{type: drill, diameter: 6, name: {json.dumps('a' + hidden)}}}}}\n"
+    )
+    (folder / "good.nc").write_text(f"G21 G90\nT1 M6 ({hidden})\n(MSG,{hidden})\nG1 X10 F100\nM2\n")
+    for answer in (FolderTools(folder).check("good.nc", "cell.yaml"), FolderTools(folder).lint("good.nc")):
+        text = json.dumps(answer, ensure_ascii=False)
+        assert not set(text) & set(hidden[:5])
+    assert "a\\\\u202e" in json.dumps(FolderTools(folder).check("good.nc", "cell.yaml"))
+
+
 @pytest.mark.parametrize("path", ["../secret.nc", "/etc/passwd", "link.nc", "sub/../../secret.nc", "a\0b"])
 def test_no_path_leads_out_of_the_folder(path: str, folder: Path) -> None:
     (folder / "link.nc").symlink_to(folder.parent / "secret.nc")
