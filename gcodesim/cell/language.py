@@ -106,6 +106,7 @@ def settings_of_cell(
         startup=None if own.startup is None else own.startup.source(),
         tool_point=_tool_point(cell, channel, placement),
         tip_first=cell.machine_of(channel).tip_first,
+        c_goes_round=_c_goes_round(cell.machine_of(channel)),
         columns=columns,
         leans=leans,
         length_leans=bool(leans) and _leans_along(cell, channel),
@@ -141,6 +142,15 @@ def length_offset(tool: Tool, mover: MachineTool | Robot) -> canon.Point:
 def _tool_point(cell: Cell, channel: str, placement: Placement) -> MachinePoint | ArmPoint | None:
     mover = cell.machine_of(channel)
     return MachinePoint.of(mover) if mover.axes else ArmPoint.of(cell, channel, placement)
+
+
+def _c_goes_round(mover: MachineTool | Robot) -> float:
+    """`Settings.c_goes_round`: an axis that turns the work takes the tool round it the other way."""
+    axis = next((axis for axis in mover.axes if axis.letter == "C"), None)
+    if axis is None:
+        return 1.0
+    upward = axis.direction is None or axis.direction[2] >= 0.0
+    return 1.0 if upward == (axis.side == "tool") else -1.0
 
 
 def _axes_of(X_MP: Pose) -> Tilt:

@@ -49,6 +49,7 @@ class Settings:
     `limits` are those of a printer's planner that differ from the dialect's, by the names of `canon.MotionLimits`.
     `tool_point` says how tip and axes belong together; None where no rotary axis of the machine has a place.
     `tip_first`: where M-codes switch the control of the tip, it is on before the first block.
+    `c_goes_round`: which way round the work the tool goes where C grows, 1 counterclockwise as seen from +Z, else -1.
     `columns` says for u, v and w that move an external axis which of a, b, c of the events (0 to 2) holds their value
     [m]; that letter means nothing else then.
     `leans` are the axes of work systems that are not just turned about Z of the machine, with a zero of nothing;
@@ -86,6 +87,7 @@ class Settings:
     limits: Mapping[str, Any] = field(default_factory=dict)
     tool_point: ToolPointLaw | None = None
     tip_first: bool = False
+    c_goes_round: float = 1.0
     columns: Mapping[str, int] = field(default_factory=dict)
     leans: Mapping[int, Tilt] = field(default_factory=dict)
     length_leans: bool = False

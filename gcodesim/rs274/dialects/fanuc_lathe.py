@@ -13,4 +13,5 @@ FANUC_LATHE = dataclasses.replace(
     lathe=None,
     further_systems=(),  # those of the milling control
     turret=True,
+    unsimulated={code: what for code, what in FANUC.unsimulated.items() if what != "polar coordinate interpolation"},
 )

@@ -185,6 +185,10 @@ _FANUC: Final = {
 }
 
 _FANUC_LATHE: Final = {
+    "G12.1": "polar coordinate interpolation on: a contour of X and C on the face",
+    "G13.1": "polar coordinate interpolation off",
+    "G112": "polar coordinate interpolation on: a contour of X and C on the face",
+    "G113": "polar coordinate interpolation off",
     "G50": "greatest spindle speed S, or call the place where the tool is by these coordinates",
     "G32": "thread, F a revolution",
     "G70": "finish along the contour of blocks P to Q",

@@ -31,7 +31,7 @@ class Halted:
     """The `control` as it is when the line is reached, the `file` of the program, and the calls that led there.
 
     Where cycles of a lathe stay in force or have two lines: the `cycle` in force (90, 92, 94), and the `prepared` ones,
-    whose first line has been read.
+    whose first line has been read. `in_face_plane`: it is between G12.1 and G13.1.
     """
 
     control: Control
@@ -39,6 +39,7 @@ class Halted:
     frames: tuple[Frame, ...]
     cycle: float | None = None
     prepared: frozenset[float] = frozenset()
+    in_face_plane: bool = False
 
     def inside(self, source: SourceText) -> Halted:
         """The same in the whole program, where what was read ends at the line."""
@@ -55,6 +56,8 @@ class Halted:
             yield "cutter compensation is on, and begins only with a move of its own"
         if state.point_control:
             yield "the control holds the tip of the tool while axes turn (G43.4, G43.5)"
+        if self.in_face_plane:
+            yield "X and C are a plane (polar coordinate interpolation, G12.1)"
         if self.frames[-1].calls_at_moves:
             yield "each move calls a macro (G66)"
         if control.has_figure:

@@ -240,7 +240,7 @@ def _compensation(words: Words, control: FanucControl) -> bool:
     given = words.values.pop("d", None)
     compensation.switch(words, control)
     state = control.state
-    state.comp_radius, state.comp_orientation = abs(radius), 0
+    state.comp_radius = abs(radius)
     if radius < 0.0:
         state.side = -state.side
     if given is not None:

@@ -14,8 +14,9 @@ from dataclasses import replace
 from gcodesim.rs274.block import Block, Word
 from gcodesim.rs274.ends import start_point
 from gcodesim.rs274.entry.halted import Halted
-from gcodesim.rs274.fanuc import lathe_cycles
+from gcodesim.rs274.fanuc import face_plane, lathe_cycles
 from gcodesim.rs274.fanuc.executor import FanucExecutor
+from gcodesim.rs274.fanuc.face_plane import FacePlane
 from gcodesim.rs274.fanuc.program import FanucFile
 from gcodesim.rs274.fault import Fault
 from gcodesim.rs274.roughing import ContourMove, Point
@@ -44,10 +45,11 @@ class FanucLatheExecutor(FanucExecutor):
     prepared: dict[float, dict[str, float]]  # first lines of G71 to G76
     fastest: float | None = None  # G50 S
     started: bool = False
+    face: FacePlane | None = None  # between G12.1 and G13.1
 
     def _halted(self) -> Halted:
         prepared = frozenset(self.prepared) if self.started else frozenset()
-        return replace(super()._halted(), cycle=self.cycle, prepared=prepared)
+        return replace(super()._halted(), cycle=self.cycle, prepared=prepared, in_face_plane=self.face is not None)
 
     def _words_of(self, block: Block, index: int) -> None:
         if not self.started:
@@ -56,6 +58,13 @@ class FanucLatheExecutor(FanucExecutor):
             self.control.auto_length = False  # T0101 names its offset
         given = [(letter, float(value)) for letter, value in block.words if isinstance(value, (int, float))]
         codes = [value for letter, value in given if letter == "g"]
+        switch = next((code for code in codes if code in face_plane.ON | face_plane.OFF), None)
+        if switch is not None and not self.control.writing:
+            self._switch_face(switch in face_plane.ON, given)
+            return
+        if self.face is not None:
+            self._on_face(block, index, given)
+            return
         if self.control.writing or not _ONE_SHOT.isdisjoint(codes):
             super()._words_of(block, index)
             return
@@ -72,6 +81,28 @@ class FanucLatheExecutor(FanucExecutor):
             self._home(block, index, words, values)
         else:
             self._moves(block, index, words, codes, values)
+
+    def _switch_face(self, on: bool, given: list[tuple[str, float]]) -> None:
+        """G12.1 and G13.1, each in a block of its own; what is in force already stays."""
+        if rest := next(((letter, value) for letter, value in given if letter not in "gn"), None):
+            name = "G12.1" if on else "G13.1"
+            raise Fault("GS106", f"{name} stands in a block of its own", at=rest[0], hint="put the rest into the next")
+        if on and self.face is None:
+            self.face, self.cycle = FacePlane.begin(self.control), None
+        elif not on and self.face is not None:
+            self.face.end(self.control)
+            self.face = None
+
+    def _on_face(self, block: Block, index: int, given: list[tuple[str, float]]) -> None:
+        """A block of a contour of X and C, whose moves become those of the axes."""
+        assert self.face is not None
+        if not {("g", 65.0), ("g", 66.0)}.isdisjoint(given):
+            super()._words_of(block, index)
+            return
+        words = face_plane.in_plane(given, self.control)
+        before = len(self.control.out)
+        self.say(block, index, [("g", _FEED_MODES.get(v, v)) if letter == "g" else (letter, v) for letter, v in words])
+        self.control.out[before:] = list(self.face.moves(self.control.out[before:]))
 
     # -- words
 
@@ -108,6 +139,7 @@ class FanucLatheExecutor(FanucExecutor):
         if tool != self.control.spindle_tool.number:
             self.say(block, index, [("t", float(tool)), ("m", 6.0)])
         self.say(block, index, [("g", 43.0), ("h", float(offset))] if offset else [("g", 49.0)])
+        self.control.state.radius_number = offset  # the nose belongs to the same offset
 
     def _coordinates(self, block: Block, index: int, words: list[tuple[str, float]], values: dict[str, float]) -> None:
         """G50: the greatest speed of the spindle, or where the tool is said to be."""
