@@ -9,13 +9,17 @@ import pytest
 from gcodesim import canon
 from gcodesim.diagnostics import SourceText
 from gcodesim.rs274 import Settings, interpret
+from gcodesim.rs274.run import Run
 
-HEAD = "G21 G18 G40 G98\nG0 X60. Z5. C{c}\nG1 Z-2. F300\nG12.1\n"
+HEAD = "G10 L12 P1 R3.\nG21 G18 G40 G98\nG0 X60. Z5. C{c}\nG1 Z-2. F300\nG12.1\n"
+
+
+def read(text: str, sense: float = 1.0) -> Run:
+    return interpret(SourceText("face.nc", text.encode()), Settings(dialect="fanuc_lathe", c_goes_round=sense))
 
 
 def events(text: str, *, c: float = 0.0, sense: float = 1.0) -> list[canon.Event]:
-    source = SourceText.from_text((HEAD.format(c=f"{c}.") if "G12.1" not in text else "") + text, "face.nc")
-    run = interpret(source, Settings(dialect="fanuc_lathe", c_goes_round=sense))
+    run = read(HEAD.format(c=c) + text, sense)
     found = list(run)
     assert not [finding for finding in run.findings if finding.level.name == "ERROR"], run.findings
     return found
@@ -34,7 +38,7 @@ def place(move: canon.Move, *, c: float = 0.0, sense: float = 1.0) -> tuple[floa
 @pytest.mark.parametrize(("c", "sense"), [(0.0, 1.0), (0.0, -1.0), (40.0, -1.0)])
 def test_a_line_is_followed_to_a_micron(c: float, sense: float) -> None:
     """From (30, 0) to (10, 20): X is a diameter, C a length that counts from where C stands."""
-    moves = feeds("G1 X20. C20. F300\nG13.1\nM30\n", 5, c=c, sense=sense)
+    moves = feeds("G1 X20. C20. F300\nG13.1\nM30\n", 6, c=c, sense=sense)
 
     assert len(moves) > 10
     assert place(moves[-1], c=c, sense=sense) == pytest.approx((10.0, 20.0))
@@ -48,7 +52,7 @@ def test_a_line_is_followed_to_a_micron(c: float, sense: float) -> None:
 
 def test_the_feed_is_that_along_the_contour() -> None:
     """The times of the moves of X and C add up to the way divided by F."""
-    moves = feeds("G1 X20. C20. F300\nG13.1\nM30\n", 5)
+    moves = feeds("G1 X20. C20. F300\nG13.1\nM30\n", 6)
     radii = [0.03, *(move.end[0] for move in moves)]
     spent = sum(abs(b - a) / m.feed for a, b, m in zip(radii, radii[1:], moves, strict=False) if m.feed_unit == "m/s")
 
@@ -56,7 +60,7 @@ def test_the_feed_is_that_along_the_contour() -> None:
 
 
 def test_an_arc_about_the_axis_turns_c_alone() -> None:
-    moves = feeds("G3 X-60. C0. I-30. J0. F300\nG13.1\nM30\n", 5)
+    moves = feeds("G3 X-60. C0. I-30. J0. F300\nG13.1\nM30\n", 6)
 
     assert all(move.feed_unit == "rad/s" and move.feed == pytest.approx(5.0 / 30.0) for move in moves)
     assert {round(move.end[0], 9) for move in moves} == {0.03}
@@ -64,7 +68,7 @@ def test_an_arc_about_the_axis_turns_c_alone() -> None:
 
 
 def test_a_line_through_the_axis_turns_c_by_half() -> None:
-    moves = feeds("G1 X-40. F300\nG13.1\nM30\n", 5)
+    moves = feeds("G1 X-40. F300\nG13.1\nM30\n", 6)
 
     assert min(move.end[0] for move in moves) >= 0.0
     assert place(moves[-1]) == pytest.approx((-20.0, 0.0), abs=1e-6)
@@ -72,10 +76,12 @@ def test_a_line_through_the_axis_turns_c_by_half() -> None:
 
 def test_compensation_and_steps_work_in_the_plane() -> None:
     """3 mm outside a square corner: U, H and W are steps; on the way out it is where the program says."""
-    table = "G10 P1 R3.\n"
-    told = feeds(table + "G42 D1 G1 X24. C0. F300\nH10.\nU-8. W-1.\nG40 X60. C0.\nG13.1\nM30\n", 7)
+    lines = "G42 D1 G1 X24. C0. F300\nH10.\nU-8. W-1.\nG40 X60. C0.\nG13.1\nM30\n"
 
-    assert place(told[-1]) == pytest.approx((15.0, 13.0), abs=1e-6)
+    assert place(feeds(lines, 7)[-1]) == pytest.approx((15.0, 13.0), abs=1e-6)
+    last = feeds(lines, 8)[-1]
+    assert place(last) == pytest.approx((8.0, 13.0), abs=1e-6) and last.end[2] == pytest.approx(-0.003)
+    assert place(feeds(lines, 9)[-1]) == pytest.approx((30.0, 0.0), abs=1e-6)
 
 
 def test_afterwards_x_and_c_are_what_they_were() -> None:
@@ -101,9 +107,7 @@ def test_afterwards_x_and_c_are_what_they_were() -> None:
     ],
 )
 def test_what_is_refused(lines: str, code: str, said: str) -> None:
-    run = interpret(
-        SourceText.from_text(HEAD.format(c="0.") + lines + "\nM30\n", "face.nc"), Settings(dialect="fanuc_lathe")
-    )
+    run = read(HEAD.format(c=0.0) + lines + "\nM30\n")
     list(run)
 
     (first, *_) = [finding for finding in run.findings if finding.level.name == "ERROR"]
@@ -112,8 +116,6 @@ def test_what_is_refused(lines: str, code: str, said: str) -> None:
 
 def test_x_below_zero_and_y_beside_the_axis_are_no_start() -> None:
     for start in ("G0 X-10.", "G0 Y3."):
-        run = interpret(
-            SourceText.from_text(f"G21 G98\n{start}\nG12.1\nM30\n", "face.nc"), Settings(dialect="fanuc_lathe")
-        )
+        run = read(f"G21 G98\n{start}\nG12.1\nM30\n")
         list(run)
         assert [f.code for f in run.findings if f.level.name == "ERROR"] == ["GS106"]
