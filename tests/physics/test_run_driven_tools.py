@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import acos, pi, sqrt
+from math import acos, cos, pi, sin, sqrt
 
 import numpy as np
 import pytest
@@ -19,10 +19,11 @@ TOOLS = (
 BAR = pi * 20.0**2 * 50.0
 
 
-def run(program: str, more: str = "", tools: str = TOOLS):
+def run(program: str, more: str = "", tools: str = TOOLS, head: str = HEAD, dialect: str = "linuxcnc"):
     stock = f"{{cylinder: [40, 50], xyz: [0, 0, -50], resolution: 0.2{more}}}"
-    cell = f"gcodesim: 1\nmachine: lathe_xyzc\nstock: {stock}\ntools:\n{tools}simulation: {{world: kinematic}}\n"
-    ran = run_texts(HEAD + program, cell)
+    cell = f"gcodesim: 1\nmachine: lathe_xyzc\ndialect: {dialect}\nstock: {stock}\n"
+    cell += f"tools:\n{tools}simulation: {{world: kinematic}}\n"
+    ran = run_texts(head + program, cell)
     assert ran.results.status == "ok", [f.message for f in ran.results.findings]
     return ran
 
@@ -136,3 +137,18 @@ def test_a_rapid_across_the_spindle_is_told_and_one_along_what_is_cut_is_not() -
 
     assert [(f.code, f.span.line) for f in wrong if f.code == "GS401"] == [("GS401", 6)]
     assert [f for f in right if f.code == "GS401"] == []
+
+
+@pytest.mark.parametrize("code", ["G12.1", "G112"])
+def test_a_hexagon_in_polar_coordinates(code: str) -> None:
+    """26 mm across flats, 4 mm deep: X is a diameter and C a length; the mill goes all round outside of it."""
+    corner = 2.0 * 13.0 / sqrt(3.0)
+    tools = "  2: {type: flat_end_mill, diameter: 14, length: 60, driven: true}\n"
+    around = "".join(f"X{2 * corner * cos(pi * k / 3):.4f} C{corner * sin(pi * k / 3):.4f}\n" for k in range(7))
+    start = "T0202\nS4000 M3\nG0 X64. Z5.\nG1 Z-4. F900.\n"
+    program = f"{start}{code}\nG42 G1 {around}X20. C8.6603\nG40 X64. C0.\nG13.1\nM5\nM30\n"
+    ran = run(program, tools=tools, head="G21 G18 G40 G97 G98\n", dialect="fanuc_lathe")
+
+    exact = 4.0 * (pi * 20.0**2 - 2.0 * sqrt(3.0) * 13.0**2)
+    assert taken(ran) == pytest.approx(exact, rel=2e-3)
+    assert abs(taken(ran) - exact) < bound(ran)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 
 import pytest
 
@@ -45,8 +46,11 @@ def test_a_line_is_followed_to_a_micron(c: float, sense: float) -> None:
     for move in moves:
         x, y = place(move, c=c, sense=sense)
         assert x + y == pytest.approx(30.0, abs=1e-6) and move.end[1] == 0.0
-    for one, other in zip(moves, moves[1:], strict=False):
-        radius, angle = 0.5e3 * (one.end[0] + other.end[0]), sense * (0.5 * (one.end[5] + other.end[5]) - math.radians(c))
+    for one, other in pairwise(moves):
+        radius, angle = (
+            0.5e3 * (one.end[0] + other.end[0]),
+            sense * (0.5 * (one.end[5] + other.end[5]) - math.radians(c)),
+        )
         assert abs(radius * (math.cos(angle) + math.sin(angle)) - 30.0) / math.sqrt(2.0) < 1.1e-3
 
 
