@@ -64,7 +64,7 @@ class FacePlane:
         if x < 0.0 or abs(y) * state.unit > TOLERANCE:
             where = f"X{2.0 * x:g}" if x < 0.0 else f"Y{y:g}"
             raise Fault("GS106", f"G12.1 at {where}: the plane begins at Y0 and X from 0 on", at="g12.1")
-        zero = control.si_axes(control.tip((0.0, 0.0, *state.current[2:])))  # type: ignore[arg-type]
+        zero = control.si_axes(control.tip((0.0, 0.0, *state.current[2:])))
         here = control.si_axes(control.tip(state.current))
         plane = FacePlane(
             zero=(zero[0], zero[1]),
