@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+import math
+
 import pytest
 
 from gcodesim.diagnostics import Severity
+from gcodesim.rs274 import ToolEntry, ToolTable
 
+NOSE = ToolTable({1: ToolEntry(number=1, pocket=1, offset=(0,) * 9, diameter=1.6e-3, orientation=2)})
 CONTOUR = "N10 G00 X12. Z1.\nG01 Z-10. F0.1\nX20. Z-14.\nG02 X26. Z-17. R3.\nN20 G01 X32.\n"
 ALONG_X = "N10 G00 Z-17. X34.\nG01 X20. F0.1\nX12. Z-10.\nN20 G01 Z1.\n"
 
 
-def _moves(program, cycle: str, contour: str = ""):
+def _moves(program, cycle: str, contour: str = "", **settings):
     head = "O0001\nG21 G18 G40 G99\nT0101\nG97 S500 M3\nG00 X34. Z2.\n"
-    done = program(f"{head}{cycle}\n{contour}G00 X100. Z100.\nM30", dialect="fanuc_lathe")
+    done = program(f"{head}{cycle}\n{contour}G00 X100. Z100.\nM30", dialect="fanuc_lathe", **settings)
     kinds = ("rapid", "line", "arc", "sync_line", "spindle_sync")
     return done, [(e["kind"], [round(v, 9) for v in e["end"]]) for e in done.events if e["kind"] in kinds]
 
@@ -57,9 +61,20 @@ def test_an_allowance_of_a_pass_between_is_told(program) -> None:
 
 def test_finishing_with_compensation_is_no_rapid_at_the_contour_of_a_mill(program) -> None:
     contour = CONTOUR.replace("N10 G00 X12.", "N10 G00 G42 X12.").replace("N20 G01 X32.", "N20 G00 G40 X34.")
-    done, _ = _moves(program, "G71 P10 Q20 U0.4 W0.1 D2. F0.2", contour + "G70 P10 Q20\n")
+    done, _ = _moves(program, "G71 P10 Q20 U0.4 W0.1 D2. F0.2", contour + "G70 P10 Q20\n", tool_table=NOSE)
 
     assert [f.code for f in done.findings] == []
+
+
+def test_the_nose_is_that_of_the_offset_of_the_tool(program) -> None:
+    """Behind a cylinder of D10 a cone of 45 degrees begins: the tip of a nose R is R (1 - tan 22.5) ahead there."""
+    head = "O1\nG21 G18 G40 G99\nT0101\nG97 S500 M3\nG0 X34. Z2.\n"
+    contour = "G42 X10. Z1.\nG1 Z-10. F0.1\nX20. Z-15.\nG40 G0 X34.\nM30"
+    done = program(head + contour, dialect="fanuc_lathe", tool_table=NOSE)
+
+    assert done.findings == []
+    cylinder = next(event["end"] for event in done.acts("line"))
+    assert [cylinder[0], cylinder[2]] == pytest.approx([5.0, -10.0 - 0.8 * (1.0 - math.tan(math.radians(22.5)))])
 
 
 def test_a_contour_that_ends_the_program_is_refused(program) -> None:
