@@ -77,16 +77,17 @@ def _number_of(character: str) -> str:
     return "".join(f"\\u{data[i]:02x}{data[i + 1]:02x}" for i in range(0, len(data), 2))
 
 
-_FORMULA: Final = tuple("=+-@\t\r\n\uff1d\uff0b\uff0d\uff20")
+_FORMULA: Final = tuple("=+-@\uff1d\uff0b\uff0d\uff20")
 
 
 def table_text(text: str) -> str:
-    """A text for a CSV cell that no spreadsheet takes for a formula: `'` is put before one that looks like one."""
-    return f"'{text}" if text.lstrip("'").startswith(_FORMULA) else text
+    """A text for a CSV cell: as `one_line` shows it, and behind a `'` if a spreadsheet would take it for a formula."""
+    fit = one_line(text)
+    return f"'{fit}" if fit.lstrip("'").startswith(_FORMULA) else fit
 
 
 def text_of_table(text: str) -> str:
-    """The text that `table_text` was given."""
+    """The text that `table_text` was given, where that had no unfit characters."""
     return text[1:] if text.startswith("'") and text.lstrip("'").startswith(_FORMULA) else text
 
 

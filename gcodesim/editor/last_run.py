@@ -8,6 +8,7 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Final, NamedTuple
 
+from gcodesim.diagnostics.plain import table_text
 from gcodesim.editor.state_text import number
 
 if TYPE_CHECKING:
@@ -42,7 +43,8 @@ def _rows(folder: Path, document: ProgramDocument) -> list[tuple[int, float, flo
     if program["sha256"] != document.source.sha256:
         return []
     table = csv.DictReader(io.StringIO(_read(folder / "lines.csv")))
-    own = [row for row in table if row["file"] == document.source.name]
+    name = table_text(document.source.name)
+    own = [row for row in table if row["file"] == name]
     return [(int(row["line"]) - 1, float(row["time_s"]), float(row.get("removed_mm3") or 0.0)) for row in own]
 
 

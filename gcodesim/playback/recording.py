@@ -14,7 +14,7 @@ from typing import Any, Final
 import numpy as np
 
 from gcodesim.diagnostics import Diagnostic, Severity, SourceText, Span
-from gcodesim.diagnostics.plain import text_of_table
+from gcodesim.diagnostics.plain import table_text, text_of_table
 from gcodesim.files.output_folder import LOG_NAME, RESULTS_NAME, SETUPS_NAME
 from gcodesim.log.event import LogEvent
 from gcodesim.log.logfile import LogFile, LogReadError, RawMessage
@@ -158,7 +158,11 @@ class Recording:
             return None
         with file.open(encoding="utf-8", newline="") as stream:
             rows = list(csv.DictReader(stream))
-        return [{**row, "file": text_of_table(row["file"])} if row.get("file") else row for row in rows]
+        names = {table_text(name): name for name in self.timeline.files()}
+        for row in rows:
+            if shown := row.get("file"):
+                row["file"] = names.get(shown) or text_of_table(shown)
+        return rows
 
     @cached_property
     def sources(self) -> dict[str, SourceText]:

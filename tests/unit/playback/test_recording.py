@@ -1,9 +1,13 @@
 """A run opened by its folder or its log alone."""
 
+import shutil
+
 import numpy as np
 import pytest
 
+from gcodesim.diagnostics.plain import table_text
 from gcodesim.playback import Recording, RecordingError
+from gcodesim.playback.timeline import Timeline
 from tests.log_columns import read_columns
 
 
@@ -53,3 +57,14 @@ def test_stock_at_a_moment_is_the_last_one_drawn(slot):
 
     assert len(slot.stock_at(0)) == len(slot.stock_at(slot.end_ns)) == len(slot.tile_topics)
     assert last > first > 0
+
+
+def test_rows_of_a_program_whose_name_has_hidden_characters_are_found(slot_folder, tmp_path, monkeypatch):
+    folder = tmp_path / "run"
+    shutil.copytree(slot_folder, folder)
+    table = folder / "lines.csv"
+    name = "=a\n::error::b\x1b[2J.nc"
+    table.write_text(table.read_text().replace("slot.nc", table_text(name)))
+    monkeypatch.setattr(Timeline, "files", lambda _: (name,))
+
+    assert {row["file"] for row in Recording.open(folder).line_rows} == {name}
