@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import field, replace
 from typing import TYPE_CHECKING, Any, Final, Literal
 
 import numpy as np
 
+from gcodesim import canon
+from gcodesim.arithmetic.matrices import multiplied
 from gcodesim.canon import AXIS_LETTERS
 from gcodesim.cell.axes import AxesKind
 from gcodesim.cell.joints import JointList, JointValue, check_within, in_si, unknown_letter
@@ -17,6 +19,7 @@ from gcodesim.cell.machine_axes import (
     LinearAxis,
     MachineAxis,
     RotaryAxis,
+    ancestors,
     model_axes,
     own_axes,
     plain_axis,
@@ -35,6 +38,7 @@ from gcodesim.declarations.record import Record
 from gcodesim.frames import Pose
 from gcodesim.frozen import frozen
 from gcodesim.kinematics.chain import BASE, FLANGE
+from gcodesim.units import MM
 
 if TYPE_CHECKING:
     from gcodesim.cell.externals import External
@@ -71,7 +75,13 @@ class MachineForm:
     )
     home: Any = key(JointList(letters=True, example="[0, 0, 0]"), "axes at the start", default=None)
     lathe: bool | None = key(
-        "switch", "the work turns about Z at X0 of the machine (default: as the model)", default=None, quiet=True
+        "switch", "the work turns about Z of its nose (default: as the model)", default=None, quiet=True
+    )
+    nose: Any = key(
+        JointList(letters=True, example="[-150, -600 mm]"),
+        "on a lathe: where the nose of its spindle is, as the axes count, X as a radius (default: at machine zero)",
+        default=None,
+        quiet=True,
     )
     base: Place = key(Record(Place, "a place"), "where machine zero is", default=Place(), quiet=True)
 
@@ -84,9 +94,15 @@ class MachineForm:
             if self.kinematics is not None:
                 message = f"`{model.name}` has kinematics of its own"
                 return to.fault("GS719", to.key((*path, "kinematics")), message, "give its `axes` in place of `model`")
-            axes = model_axes(chain, model.home, self.axes, to, (*path, "axes"))
+            nose = self._nose(chain.driven_joints.names, turned, to, (*path, "nose"))
+            if isinstance(nose, Unread):
+                return UNREAD
+            axes = model_axes(chain, model.home, self.axes, nose, to, (*path, "axes"))
         elif self.axes:
             chain, turned = None, False
+            nose = self._nose(tuple(self.axes), bool(self.lathe), to, (*path, "nose"))
+            if isinstance(nose, Unread):
+                return UNREAD
             forms = self.axes if self.kinematics is None else self.kinematics.seated(self.axes, to, path)
             axes = UNREAD if isinstance(forms, Unread) else own_axes(forms, to, (*path, "axes"))
         else:
@@ -121,7 +137,35 @@ class MachineForm:
             base=self.base,
             lathe=turns,
             kinematics=self.kinematics,
+            nose=nose,
         )
+
+    def _nose(self, letters: Sequence[str], turns: bool, to: Reading, path: Path) -> canon.Point | Unread:
+        """Where the nose of a lathe's spindle is in M [m]."""
+        if self.nose is None:
+            return (0.0, 0.0, 0.0)
+        if not turns:
+            return to.fault("GS710", to.key(path), "`nose` is the place of a lathe's spindle", "say `lathe: true` too")
+        linear = [letter for letter in letters if letter in LINEAR]
+        named: Mapping[str, JointValue]
+        if isinstance(self.nose, dict):
+            named = self.nose
+        elif len(self.nose) == len(linear):
+            named = dict(zip(linear, self.nose, strict=True))
+        else:
+            message = f"`nose` has {len(self.nose)} entries; the machine has {len(linear)} linear axes"
+            return to.fault("GS706", to.span(path), message)
+        strangers = [letter for letter in named if letter not in linear]
+        for letter in strangers:
+            unknown_letter(letter, linear, (*path, letter), to)
+        if strangers:
+            return UNREAD
+        lengths = [Quantity("length")] * len(named)
+        places = in_si(list(named.values()), lengths, to, is_list=not isinstance(self.nose, dict))
+        if isinstance(places, Unread):
+            return UNREAD
+        at = dict(zip(named, places, strict=True))
+        return (at.get("X", 0.0), at.get("Y", 0.0), at.get("Z", 0.0))
 
     def _home_path(self, letter: str, index: int, path: Path) -> Path:
         if self.home is None:
@@ -159,7 +203,8 @@ class MachineForm:
 class MachineTool:
     """A machine tool of the cell. `shipped` is the content of the URDF of its `model`, None without a model.
 
-    On a `lathe` the work turns about Z at X0 of the machine. `kinematics` has said where its rotary axes lie.
+    On a `lathe` the work turns about the Z of `nose`, the place of its spindle in M [m], which is its base B; on
+    others B is M. `kinematics` has said where its rotary axes lie.
     `externals` are a table on its own one, or beside it; its axes are the last of `axes`, once their place is known.
     """
 
@@ -171,6 +216,7 @@ class MachineTool:
     X_WM: Pose = field(default_factory=Pose.identity, compare=False)
     lathe: bool = False
     kinematics: NamedKinematics | None = None
+    nose: canon.Point = (0.0, 0.0, 0.0)
     externals: tuple[External, ...] = field(default=(), compare=False, repr=False)
 
     @property
@@ -190,8 +236,8 @@ class MachineTool:
 
     @property
     def X_WB(self) -> Pose:
-        """Its base in the world, which is machine zero."""
-        return self.X_WM
+        """Its base in the world: machine zero, or the nose of a lathe's spindle."""
+        return self.X_WM @ Pose(np.array(self.nose), np.eye(3)) if any(self.nose) else self.X_WM
 
     @property
     def link_names(self) -> tuple[str, ...]:
@@ -229,8 +275,8 @@ class MachineTool:
         chain = self._own_chain
         for external in self.externals:
             axes = [_kinematic(axis, cartesian.Axis) for axis in self.axes if axis.letter in external.axes]
-            X_ME = self.X_WM.inverse() @ external.X_WE
-            chain = cartesian.with_table(chain, axes, external.name, X_ME)
+            X_BE = self.X_WB.inverse() @ external.X_WE
+            chain = cartesian.with_table(chain, axes, external.name, X_BE)
         return chain
 
     @property
@@ -239,7 +285,8 @@ class MachineTool:
         if self.shipped is None:
             from gcodesim.kinematics import cartesian
 
-            return cartesian.chain_of_axes([_kinematic(axis, cartesian.Axis) for axis in self.built_in_axes])
+            own = cartesian.chain_of_axes([_kinematic(axis, cartesian.Axis) for axis in self.built_in_axes])
+            return self._seen_from_nose(own)
         joints = list(self.shipped.joints)
         for axis, index in zip(self.built_in_axes, self.shipped.driven, strict=True):
             joints[index] = replace(
@@ -251,7 +298,21 @@ class MachineTool:
                 effort=axis.effort,
                 jerk=axis.jerk,
             )
-        return replace(self.shipped, joints=tuple(joints), links=self._links(self.shipped))
+        return self._seen_from_nose(replace(self.shipped, joints=tuple(joints), links=self._links(self.shipped)))
+
+    def _seen_from_nose(self, chain: Chain) -> Chain:
+        """`chain`, whose flange is in its base with all axes at zero, with the flange at machine zero then."""
+        if not any(self.nose):
+            return chain
+        back = Pose(-np.array(self.nose), np.eye(3)).matrix
+        root, on_tool_side = chain.links[0].name, ancestors(chain, chain.flange)
+        joints = [
+            replace(joint, X=multiplied(back, joint.X))
+            if joint.parent == root and joint.child in on_tool_side
+            else joint
+            for joint in chain.joints
+        ]
+        return replace(chain, joints=tuple(joints))
 
     def _links(self, chain: Chain) -> tuple[Link, ...]:
         """The links of a shipped machine, with the masses that the cell gives."""
@@ -272,7 +333,8 @@ class MachineTool:
 
     def at(self, X_WM: Pose, externals: tuple[External, ...] = ()) -> MachineTool:
         """The machine with its zero there, and with `externals` whose places are known."""
-        more = [axis for external in externals for axis in external.of_machine(X_WM)]
+        X_WB = replace(self, X_WM=X_WM).X_WB
+        more = [axis for external in externals for axis in external.of_machine(X_WB)]
         return replace(self, X_WM=X_WM, axes=(*self.built_in_axes, *more), externals=externals)
 
 
@@ -315,12 +377,14 @@ class MachineKind(Kind):
         shown_machine |= {} if value.kinematics is None else {"kinematics": _NAMED.show(value.kinematics)}
         axes = {axis.letter: show_axis(axis) for axis in value.built_in_axes}
         shown_machine |= {"rapids": value.rapids, "axes": axes}
+        shown_machine |= {"nose": [f"{at / MM:.10g} mm" for at in value.nose]} if any(value.nose) else {}
         return shown_machine | {"base": Record(Place, "a place").show(value.base)}
 
     def plain(self, value: Any) -> tuple[str, Any]:
         machine: Json = {"model": value.model} if value.model else {}
         machine |= {} if value.kinematics is None else {"kinematics": _NAMED.plain(value.kinematics)[1]}
         machine |= {"rapids": value.rapids, "axes": {axis.letter: plain_axis(axis) for axis in value.built_in_axes}}
+        machine |= {"nose": [f"{at / MM:.10g} mm" for at in value.nose]} if any(value.nose) else {}
         return "", machine | {"base": Record(Place, "a place").plain(value.base)[1]}
 
 

@@ -189,16 +189,21 @@ def own_axes(forms: Mapping[str, AxisForm], to: Reading, path: Path) -> tuple[Ma
 
 
 def model_axes(
-    chain: Chain, home: tuple[float, ...], forms: Mapping[str, AxisForm], to: Reading, path: Path
+    chain: Chain,
+    home: tuple[float, ...],
+    forms: Mapping[str, AxisForm],
+    nose: tuple[float, float, float],
+    to: Reading,
+    path: Path,
 ) -> tuple[MachineAxis, ...] | Unread:
-    """Axes of a shipped machine, with the changes of the cell."""
+    """Axes of a shipped machine, with the changes of the cell; `nose` [m] is where its base stands in M."""
     joints = chain.driven_joints
     strangers = [letter for letter in forms if letter not in joints.names]
     for letter in strangers:
         unknown_letter(letter, joints.names, (*path, letter), to)
     if strangers:
         return UNREAD
-    on_tool_side = _ancestors(chain, chain.flange)
+    on_tool_side = ancestors(chain, chain.flange)
     axes: list[MachineAxis] = []
     good = True
     for i, letter in enumerate(joints.names):
@@ -210,8 +215,10 @@ def model_axes(
         side: Side = "tool" if joint.child in on_tool_side else "table"
         point = chain_point(chain, i) if rotary else None
         good &= _agrees(form, letter, side, point, to, path)
-        lower, upper = travel if isinstance(travel, tuple) else (float(joints.lower[i]), float(joints.upper[i]))
-        start = form.home if form.home is not None else min(max(home[i], lower), upper)
+        shift = 0.0 if rotary else nose[LINEAR.index(letter)]
+        shipped = (float(joints.lower[i]) + shift, float(joints.upper[i]) + shift)
+        lower, upper = travel if isinstance(travel, tuple) else shipped
+        start = form.home if form.home is not None else min(max(home[i] + shift, lower), upper)
         speed = form.speed or float(joints.speed[i])
         assumed = form.acceleration is None and bool(joints.assumed_acceleration[i])
         named = speed / SPIN_UP if assumed else float(joints.acceleration[i])
@@ -259,7 +266,7 @@ def _near(value: Any, other: Any) -> bool:
     return bool(value == other)
 
 
-def _ancestors(chain: Chain, link: str) -> set[str]:
+def ancestors(chain: Chain, link: str) -> set[str]:
     """`link` and all links between it and the root."""
     parents = {joint.child: joint.parent for joint in chain.joints}
     found = {link}

@@ -1,6 +1,7 @@
 """Where the work is: work systems in the machine; stock, fixtures and target in the world.
 
-On a machine tool M is machine zero. On an arm M is the base frame B, except that
+On a machine tool M is machine zero. So is its base B, but on a lathe B is the nose
+of its spindle. On an arm M is the base frame B, except that
 M is turned about B's origin when the work systems are tilted in B: G-code knows
 only a shift and a turn about Z of M, so Z of M has to be parallel to theirs.
 """
@@ -118,10 +119,10 @@ def place(cell: Cell, channel: str = MAIN) -> Placement:
     own = cell.channels[channel]
     mover = cell.machine_of(channel)
     findings: list[Diagnostic] = []
-    X_WM = mover.X_WB if mover.axes else _upright_base(cell, own, mover)
+    X_WM = mover.X_WM if isinstance(mover, MachineTool) else _upright_base(cell, own, mover)
     offsets = {index: Pose.identity() for index in range(1, len(SYSTEMS) + 1)}
     for name, standing in own.work_offsets.items():
-        X_MP = _offset(cell, X_WM, mover.X_WB, standing)
+        X_MP = _offset(cell, X_WM, X_WM if isinstance(mover, MachineTool) else mover.X_WB, standing)
         offsets[system_index(name)] = X_MP
         if mover.axes and _leans(X_MP):
             tilt = np.degrees(acos(np.clip(X_MP.R[2, 2], -1, 1)))
@@ -281,13 +282,14 @@ def _corners_without_place(cell: Cell) -> Array:
 
 def _before_chuck(cell: Cell, machine: MachineTool | Robot) -> tuple[Pose, Diagnostic]:
     """G54 of a lathe for stock without a place: on the spindle's axis, the stock's lower end at the chuck."""
-    p = np.round(np.array([0.0, 0.0, CHUCK_FACE - _corners_without_place(cell)[:, 2].min()]), 9) + 0.0
+    nose = np.array(getattr(machine, "nose", (0.0, 0.0, 0.0)))
+    p = np.round(nose + np.array([0.0, 0.0, CHUCK_FACE - _corners_without_place(cell)[:, 2].min()]), 9) + 0.0
     note = Diagnostic(
         code="GS725",
         span=cell.span("stock"),
-        message=f"G54 was placed at X0 Z{p[2] / MM:.10g} mm of the machine: on the axis of the spindle, "
+        message=f"G54 was placed at X{p[0] / MM:.10g} Z{p[2] / MM:.10g} mm of the machine: on the axis of the spindle, "
         f"the stock's end {CHUCK_FACE / MM:.10g} mm before the spindle nose",
-        hint="`work_offsets: {G54: {xyz: [0, 0, z]}}` places it yourself",
+        hint=f"`work_offsets: {{G54: {{xyz: [{nose[0] / MM:.10g}, 0, z]}}}}` places it yourself",
     )
     return Pose(p, np.eye(3)), note
 

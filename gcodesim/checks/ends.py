@@ -24,41 +24,49 @@ def left_on(events: Sequence[Event], active: SignalSource | None = None) -> list
     if not ends:
         return []
     last = ends[-1].span
-    spindle, flood, mist, process = 0.0, False, False, None
+    spindle, cutting, flood, mist, process = 0.0, False, False, False, None
     for event in events:
         if event.span == last:
             continue
         if isinstance(event, Spindle):
             spindle = 0.0 if event.direction == "off" else event.speed * (1.0 if event.direction == "cw" else -1.0)
+            cutting = event.unit == "m/s"
         elif isinstance(event, Coolant):
             flood, mist = event.flood, event.mist
         elif isinstance(event, Action) and event.target == "tool":
             process = _TOOL if event.verb == "activate" else None
         if active is not None and (number := active.word.number_of(event)) is not None:
             process = _TOOL if active.factor * number + active.zero > 0.0 else None
-    return end_findings(last, spindle=spindle, process=process, flood=flood, mist=mist)
+    return end_findings(last, spindle=spindle, cutting=cutting, process=process, flood=flood, mist=mist)
 
 
 def end_findings(
-    last: Span, *, spindle: float = 0.0, process: str | None = None, flood: bool = False, mist: bool = False
+    last: Span,
+    *,
+    spindle: float = 0.0,
+    cutting: bool = False,
+    process: str | None = None,
+    flood: bool = False,
+    mist: bool = False,
 ) -> list[Diagnostic]:
     """GS503 to GS505: what is still on when the program ends at `last`.
 
-    `spindle` [rad/s]; `process` names the process tool that an M-code left on.
+    `spindle` [rad/s], or the cutting speed [m/s] that it keeps where `cutting`;
+    `process` names the process tool that an M-code left on.
     """
     found = []
     if spindle != 0.0:
-        speed = f"{abs(spindle) / RPM:.0f} rpm"
+        speed, unit = (abs(spindle) * 60.0, "m/min") if cutting else (abs(spindle) / RPM, "rpm")
         word = "M3" if spindle > 0.0 else "M4"
         found.append(
             Diagnostic(
                 code="GS503",
-                message=f"the program ends with the spindle on ({word}, {speed})",
+                message=f"the program ends with the spindle on ({word}, {speed:.0f} {unit})",
                 span=last,
                 hint="put `M5` before the end",
-                value=abs(spindle) / RPM,
+                value=speed,
                 limit=0.0,
-                unit="rpm",
+                unit=unit,
             )
         )
     if process is not None:

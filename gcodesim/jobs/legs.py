@@ -79,6 +79,7 @@ class Legs:
         self._builder = PathBuilder(
             start,
             fastest=job.shop.fastest,
+            centre=float(job.shop.X_BM.inverse().p[0]),
             length_leans=settings.length_leans,
             rapids_stand=DIALECTS[settings.dialect].rapids_stand,
         )

@@ -98,14 +98,18 @@ class PathBuilder:
         tilts: Mapping[int, Pose] | None = None,
         *,
         fastest: float | None = None,
+        centre: float = 0.0,
         length_leans: bool = False,
         rapids_stand: bool = False,
     ) -> None:
-        """`fastest` [rad/s] is the greatest speed of a lathe's spindle, where the work turns about X0; else None.
+        """`fastest` [rad/s] is the greatest speed of a lathe's spindle, where the work turns about the X `centre` [m].
+
+        `fastest` is None on other machines.
 
         `length_leans`: length offsets are along the axes of a work system that leans, as an arm holds its tool.
         """
         self.fastest = fastest
+        self.centre = centre
         self.length_leans = length_leans
         self.rapids_stand = rapids_stand
         self.at: Axes = start
@@ -223,7 +227,7 @@ class PathBuilder:
         )
 
     def _pace(self) -> pace.Pace:
-        return pace.Pace(surface=self.current.surface_speed, cap=abs(self.current.spindle))
+        return pace.Pace(surface=self.current.surface_speed, cap=abs(self.current.spindle), centre=self.centre)
 
     def _motion(self, event: Move) -> None:
         if isinstance(event, Rapid):
@@ -348,7 +352,7 @@ class PathBuilder:
     def _revolutions(self) -> float:
         """Spindle speed [rev/s]; 0 when it stands. On a lathe that keeps the cutting speed, the one at this radius."""
         if self.fastest is not None and self.current.surface_speed > 0.0:
-            return self._pace().turns(abs(self.at[0]))
+            return self._pace().turns(abs(self.at[0] - self.centre))
         return abs(self.current.spindle) / (2.0 * pi)
 
     def _speed(self, feed: float, unit: str) -> float:

@@ -27,10 +27,14 @@ _LEAST_RADIUS: Final = 1e-6
 
 @frozen(kw_only=False)
 class Pace:
-    """A spindle that keeps the cutting speed `surface` [m/s] as long as it need not turn faster than `cap` [rad/s]."""
+    """A spindle that keeps the cutting speed `surface` [m/s] as long as it need not turn faster than `cap` [rad/s].
+
+    It turns about `centre`, an X [m].
+    """
 
     surface: float
     cap: float
+    centre: float = 0.0
 
     def turns(self, radius: float) -> float:
         """Turns a second at a radius [m]."""
@@ -74,10 +78,11 @@ def _shares(pace: Pace, a: float, b: float) -> list[float]:
 
 def along_line(start: Axes, end: Axes, feed: float, pace: Pace) -> Iterator[tuple[Axes, float]]:
     """The ends and feeds [m/s] of the rows of a straight move; `feed` in m/turn."""
-    shares = _shares(pace, start[0], end[0])
+    first, way = start[0] - pace.centre, end[0] - start[0]
+    shares = _shares(pace, first, first + way)
     for before, after in pairwise(shares):
         here = end if after == 1.0 else _between(start, end, after)
-        a, b = (start[0] + t * (end[0] - start[0]) for t in (before, after))
+        a, b = (first + t * way for t in (before, after))
         yield here, feed * pace.mean(a, b)
 
 
@@ -99,7 +104,7 @@ def along_arc(start: Axes, arc: ArcFeed, pace: Pace) -> Iterator[tuple[Axes, flo
             angle = share * arc.sweep
             q = c + along + (1.0 + share * (growth - 1.0)) * (u * cos(angle) + v * sin(angle)) + share * rise * n
             here = (*(float(x) for x in q), *_between(start, arc.end, share)[3:])  # type: ignore[assignment]
-        yield here, arc.sweep / parts, arc.feed * pace.mean(before[0], here[0])
+        yield here, arc.sweep / parts, arc.feed * pace.mean(before[0] - pace.centre, here[0] - pace.centre)
         before = here
 
 

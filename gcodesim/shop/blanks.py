@@ -98,9 +98,9 @@ def _revolved(shop: Shop, name: str, spec: StockSpec) -> Stock | Diagnostic:
     from gcodesim.material.revolved import Revolved
 
     shape = spec.shape
-    X_MS = shop.placement.X_WM.inverse() @ shop.placement.stocks.get(name, Pose.identity())
-    aside = float(norms(X_MS.p[None, :2])[0])
-    if not isinstance(shape, Cylinder) or aside > 1e-6 or X_MS.R[2, 2] < 1.0 - 1e-9:
+    X_BS = shop.X_WB.inverse() @ shop.placement.stocks.get(name, Pose.identity())
+    aside = float(norms(X_BS.p[None, :2])[0])
+    if not isinstance(shape, Cylinder) or aside > 1e-6 or X_BS.R[2, 2] < 1.0 - 1e-9:
         what = "is no cylinder" if not isinstance(shape, Cylinder) else f"stands {aside / MM:.3f} mm beside the spindle"
         return Diagnostic(
             code="GS436",

@@ -28,7 +28,7 @@ def _machine(tool: MachineTool) -> Mover:
     return Mover(
         name=MACHINE,
         kinematics=kinematics,
-        X_WB=tool.X_WM,
+        X_WB=tool.X_WB,
         home=np.array([homes[letter] for letter in kinematics.joints.names]),
         joints_are_axes=True,
         rapids=tool.rapids,

@@ -54,9 +54,10 @@ class PlacedStock:
 class Shop:
     """Everything that a channel's program acts on.
 
-    `mover` is what the program moves, one of the scene's. `X_BM` is machine zero seen from its base B (of a machine:
-    M); on an arm M is B, turned when its work systems are tilted. `beside` are the movers of other programs that run at
-    the same time. `coated` are the bodies that spray may coat, by the names of their frames.
+    `mover` is what the program moves, one of the scene's. `X_BM` is machine zero seen from its base B. On a machine
+    tool they are the same, on a lathe B is the nose of the spindle; on an arm M is B, turned when its work systems are
+    tilted. `beside` are the movers of other programs that run at the same time. `coated` are the bodies that spray may
+    coat, by the names of their frames.
     """
 
     cell: Cell

@@ -11,11 +11,13 @@ from typing import Final
 from gcodesim import canon
 from gcodesim.diagnostics import Severity, SourceText
 from gcodesim.frozen import frozen
+from gcodesim.kinematics.models import MODELS
 from gcodesim.rs274 import Settings, ToolEntry, ToolTable, interpret
 from gcodesim.rs274.dialects import DIALECTS
 from gcodesim.rs274.other_machines import lathe_of
 from gcodesim.units import MM, RPM
 
+_MODEL: Final = "lathe_xz"
 _MOST_TOOLS: Final = 99
 _BESIDE: Final = 1.0 * MM  # of the bar on each face and side: what is turned is at least that much thinner
 _GRIP: Final = 25.0 * MM
@@ -32,6 +34,7 @@ _KINDS: Final = (
     ("drill", re.compile(r"DRILL|BOHR", re.IGNORECASE)),
 )
 _INSERT: Final = re.compile(r"\b([CDSTVRW][A-Z]{3}\s?\d{6})\b", re.IGNORECASE)
+_OF_MACHINE: Final = re.compile(r"^[^(;\n]*\bG0*53\b(?!\.[1-9])", re.IGNORECASE | re.MULTILINE)
 _NOTE: Final = re.compile(r"\(([^()]*)\)|;(.*)")
 
 
@@ -63,6 +66,7 @@ class LatheCell:
     program: str
     dialect: str
     why: str
+    counts_from_home: bool
     failed: int
     uses: dict[int, _Use]
     fastest: float
@@ -83,7 +87,14 @@ class LatheCell:
         if not any(use.feeds for use in uses.values()):
             return None
         return LatheCell(
-            program=program.name, dialect=dialect, why=why, failed=error, uses=uses, fastest=fastest, first=first
+            program=program.name,
+            dialect=dialect,
+            why=why,
+            counts_from_home=dialect == "fanuc_lathe" or _OF_MACHINE.search(program.text) is not None,
+            failed=error,
+            uses=uses,
+            fastest=fastest,
+            first=first,
         )
 
     @property
@@ -109,7 +120,7 @@ class LatheCell:
         lines = [
             f"# A cell for {self.program}, made from its moves, words and comments: look at every line.",
             "gcodesim: 1",
-            "machine: lathe_xz",
+            *_machine(self.counts_from_home),
             f"dialect: {self.dialect:<10} # {self.why}",
         ]
         if self.failed:
@@ -151,6 +162,18 @@ class LatheCell:
     def guesses(self) -> list[str]:
         """What is guessed, since the program does not tell."""
         return ["the bar and its chuck", "the material", "the inserts and sizes of the tools"]
+
+
+def _machine(counts_from_home: bool) -> list[str]:
+    """The machine; its axes count from where the turret rests, as they do on most lathes."""
+    if not counts_from_home:
+        return ["machine: lathe_xz"]
+    x, z = MODELS[_MODEL].home
+    return [
+        "machine:",
+        f"  model: {_MODEL}",
+        f"  nose: {{X: {_mm(-x)} mm, Z: {_mm(-z)} mm}}    # of the spindle: the axes count from where the turret rests",
+    ]
 
 
 def _dialect_of(program: SourceText) -> tuple[str, str] | None:

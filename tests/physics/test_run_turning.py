@@ -177,3 +177,35 @@ def test_cycles_of_fanuc_leave_the_part_that_they_describe(name: str) -> None:
 
     stock = ran.results.stocks["stock"].as_json()
     assert stock["initial_mm3"] - stock["remaining_mm3"] == pytest.approx(taken, rel=2e-3)
+
+
+@pytest.mark.parametrize("nose", ["{X: -150 mm, Z: -600 mm}", "[-212.5, -880 mm]"])
+def test_a_lathe_turns_the_same_wherever_its_axes_count_from(nose: str) -> None:
+    """Facing at a constant cutting speed and turning: what is cut, when, and how near the ends of travel."""
+    moves = "G0 X60 Z2\nZ-1\nG1 X0\nG0 Z2\nX46\nG1 Z-20\nG2 X52 Z-23 R3\nG28\n"
+    program = f"{HEAD}G96 S200 D2000 M3\nG95 F0.2\n{moves}M5\nM2\n"
+    cell = cell_of("cylinder: [50, 40], xyz: [0, 0, -40], chuck: {diameter: 90, grip: 10}")
+    before = run_texts(program, cell)
+    after = run_texts(program, cell.replace("lathe_xz", f"{{model: lathe_xz, nose: {nose}}}"))
+
+    old, new = before.results.stocks["stock"].as_json(), after.results.stocks["stock"].as_json()
+    assert new["remaining_mm3"] == pytest.approx(old["remaining_mm3"], rel=1e-9)
+    assert after.results.times.feed == pytest.approx(before.results.times.feed, rel=1e-9)
+    assert after.results.times.rapid == pytest.approx(before.results.times.rapid, rel=1e-9)
+    margins = [[joint["margin"] for joint in ran.results.joints] for ran in (before, after)]
+    assert margins[1] == pytest.approx(margins[0], abs=1e-6)
+    assert not {code for code in codes(after) if code.startswith("GS4")}
+
+
+def test_machine_zero_at_the_turret_is_a_safe_place() -> None:
+    moves = "G53 G0 X0 Z0\nG0 X36 Z2\nG1 Z-10\nX50\nG53 G0 X0\nG53 G0 Z0\n"
+    program = f"{HEAD}G97 S1000 M3\nG95 F0.2\n{moves}M5\nM2\n"
+    cell = cell_of("cylinder: [40, 60], xyz: [0, 0, -60], chuck: {diameter: 100, grip: 20}")
+
+    at_rest = cell.replace("lathe_xz", "{model: lathe_xz, nose: [-150, -600 mm]}")
+    ran = run_texts(program, at_rest)
+
+    assert not {code for code in codes(ran) if code.startswith(("GS2", "GS4"))}
+    assert "GS433" in codes(run_texts(program, cell))  # where it is in the chuck
+    margins = [joint["margin"] for joint in ran.results.joints]
+    assert margins == pytest.approx([30.0 + 18.0, 80.0 + 60.0 - 10.0 + 100.0])  # a tool of 100 mm

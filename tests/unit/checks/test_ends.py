@@ -24,6 +24,8 @@ def test_what_is_on_at_the_end() -> None:
     assert "extruder" in findings[1].message
     assert "flood and mist" in findings[2].message
     assert all(f.span is last for f in findings)
+    (kept,) = end_findings(last, spindle=3.0, cutting=True)
+    assert "(M3, 180 m/min)" in kept.message and (kept.value, kept.unit) == (180.0, "m/min")
 
 
 def _ended(words: str, active: str) -> list[str]:

@@ -48,7 +48,7 @@ def made(text: str) -> tuple[dict, str]:
 def test_fanuc_with_turret_cycles_and_threads() -> None:
     tools, text = made((TOP / "programs" / "pin.nc").read_text())
 
-    assert "dialect: fanuc_lathe" in text and "machine: lathe_xz" in text
+    assert "dialect: fanuc_lathe" in text and "model: lathe_xz" in text
     assert tools == {1: "turning_tool", 2: "turning_tool", 3: "grooving_tool", 4: "threading_tool"}
     assert "insert: CNMG120408" in text and "insert: VBMT160404" in text and "spindle_speed: 2500 rpm" in text
     assert "cylinder: [32 mm, 94 mm]" in text  # turned to 31 mm, faced at Z0, parted off at Z-63
@@ -89,3 +89,33 @@ def test_comments_stay_comments(comment: str) -> None:
     tools, _ = made(LINUXCNC.replace("(ROUGH CNMG120408)", comment))
 
     assert tools[1] == "turning_tool"
+
+
+RETREATS = """G21 G18 G99
+G53 G0 X0 Z0
+T0101
+G50 S2500
+G97 S800 M3
+G0 X42 Z2
+G1 Z-20 F0.2
+X60
+G53 G0 X0
+G53 G0 Z0
+M5
+M30
+"""
+
+
+def test_the_axes_count_from_where_the_turret_rests() -> None:
+    """G53 X0 Z0 is the way to the turret's rest of Haas and Fanuc lathes, not into the chuck."""
+    tools, text = made(RETREATS)
+
+    assert tools == {1: "turning_tool"} and "nose: {X: -150 mm, Z: -600 mm}" in text
+
+
+def test_on_linuxcnc_they_do_where_the_program_says_so() -> None:
+    plain = "G7 G18 G21 G90 G95 F0.2\nT1 M6 G43\nM3 S900\nG0 X20 Z2\nX15\nG1 Z-10\nG0 X20\nM5\nM2\n"
+
+    assert "nose" not in made(plain)[1] and "machine: lathe_xz" in made(plain)[1]
+    assert "nose" in made(plain.replace("M5\n", "G53 G0 X0\nG53 G0 Z0\nM5\n"))[1]
+    assert "nose" not in made(plain.replace("M5\n", "(G53 G0 X0)\nM5\n"))[1]
