@@ -7,6 +7,7 @@ import json
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from functools import partial
 from itertools import islice
 from pathlib import Path
@@ -135,7 +136,8 @@ def _sweep(ready: Prepared, journal: Journal, arguments: argparse.Namespace) -> 
                 work(points(ready.study), keep=arguments.keep_logs)
             chosen = _Chosen(ready=ready, journal=journal, tried=tried if found is not None else None)
             if arguments.replay:
-                work([row.point for row in _extremes(chosen, found)], keep=True)
+                again = replace(tally)  # these runs are counted already; faults and lost ones go into the same lists
+                work([row.point for row in _extremes(chosen, found)], keep=True, tally=again)
     except (KeyboardInterrupt, UsageError):
         chosen = _Chosen(ready=ready, journal=journal, tried=tried if arguments.find else None)
         _write(ready, chosen, arguments)

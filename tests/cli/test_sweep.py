@@ -142,7 +142,9 @@ def test_a_search_finds_the_best_within_limits_and_is_the_same_again(cli, write,
 
 
 def test_the_page_leads_to_replays_of_the_best_and_the_worst(cli, tmp_path: Path):
-    assert cli("sweep", "study.yaml", "-j", "1", "--out", "out", "--replay", "--fail-on", "never").status == 0
+    said = cli("sweep", "study.yaml", "-j", "1", "--out", "out", "--keep-logs", "--replay", "--fail-on", "never")
+    assert said.status == 0
+    assert "4 runs; " in said.out  # none of them "known from before"
 
     reports = sorted(path.relative_to(tmp_path / "out").as_posix() for path in (tmp_path / "out").rglob("report.html"))
     page = (tmp_path / "out" / "sweep.html").read_text()
