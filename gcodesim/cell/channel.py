@@ -211,7 +211,8 @@ class Channel:
     path_control: str = key(_PathControl(), "path control until the program sets its own", default=DEFAULT_PATH_CONTROL)
     startup: Startup | None = key(
         StartupKind(),
-        "what the control has in force before the first block, such as `G20` on a machine in inches",
+        "what the control has in force before the first block, such as `G20` on a machine in inches, `M83` on a "
+        "printer whose start macro says so",
         default=None,
         quiet=True,
     )

@@ -18,7 +18,10 @@ _MODAL: Final = (
 )
 """G-words that move nothing and need no axis words in any dialect; which of them it knows, a dialect says itself."""
 
-_ONE: Final = r"G0*(?:" + "|".join(re.escape(number) for number in _MODAL) + r")(?![0-9.])|[FSPQD][0-9.]+"
+_FILAMENT: Final = r"M8[23](?![0-9.])"
+"""Whether E words of a printer are places or steps."""
+
+_ONE: Final = r"G0*(?:" + "|".join(re.escape(number) for number in _MODAL) + rf")(?![0-9.])|{_FILAMENT}|[FSPQD][0-9.]+"
 _WORD: Final = re.compile(_ONE, re.IGNORECASE)
 _OWNERS: Final = {
     letter: re.compile(rf"G0*{code}(?![0-9.])", re.IGNORECASE) for letter, code in (("P", 64), ("Q", 64), ("D", 96))
@@ -82,4 +85,5 @@ def modal_words(block: str) -> tuple[str, str]:
 
 def _either_case(pattern: str) -> str:
     """The pattern with letters in either case, as JSON Schema has no flag for that."""
-    return re.sub(r"G|\[FSPQD\]", lambda found: "[Gg]" if found[0] == "G" else "[FfSsPpQqDd]", pattern)
+    either = {"G": "[Gg]", "M": "[Mm]", "[FSPQD]": "[FfSsPpQqDd]"}
+    return re.sub(r"[GM]|\[FSPQD\]", lambda found: either[found[0]], pattern)

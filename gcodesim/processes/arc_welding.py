@@ -57,7 +57,7 @@ class ArcWelding(Process):
         Column("weld_height", "m", "greatest", LOG | LINES | RESULTS, "height of the bead"),
         Column("weld_width", "m", "greatest", LOG | LINES | RESULTS, "width of the bead"),
         Column("too_steep", "m", "greatest", FINDINGS, "height of a bead that is higher than wide"),
-        Column("arc_on_nothing", "m^3", "sum", FINDINGS, "melted where no work is in reach of the arc"),
+        Column("arc_on_nothing", "m^3", "sum", RESULTS, "melted where no work is in reach of the arc"),
         Column("arc_in_rapid", of="any", shown_in=FINDINGS, says="the arc burns in a rapid"),
         Column("weld_nominal", "m^3", "sum", Shown.NOWHERE, "volume that it meant to add"),
     )

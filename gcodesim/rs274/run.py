@@ -682,9 +682,13 @@ class Executor:
         out, before = self.control.out, len(self.control.out)
         file = self.file.of(self.settings.startup)
         for index, text in enumerate(file.lines):
-            if text:
-                self._line(file, index, text)
+            for block in self._startup_blocks(text):
+                self._line(file, index, block)
         out[before:] = [replace(event, span=Span(self.file.name)) for event in out[before:]]
+
+    def _startup_blocks(self, text: str) -> list[str]:
+        """The blocks of a line of words that are in force before the program."""
+        return [text] if text else []
 
 
 def _executor_of(dialect: Dialect) -> type[Executor]:

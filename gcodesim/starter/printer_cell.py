@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -16,7 +17,7 @@ from gcodesim.diagnostics import Severity, SourceText
 from gcodesim.frozen import frozen
 from gcodesim.motion.build import build_tool_path
 from gcodesim.motion.tool_path import ZERO, ToolPath
-from gcodesim.rs274 import Settings, ToolEntry, ToolTable, interpret
+from gcodesim.rs274 import Run, Settings, ToolEntry, ToolTable, interpret
 from gcodesim.rs274.other_machines import foreign_of
 from gcodesim.units import MM
 
@@ -30,14 +31,21 @@ _COLUMNS: Final = 2_000_000
 _FINEST: Final = 0.1 * MM
 _NOZZLE: Final = 0.4  # mm, the usual one
 _FILAMENT: Final = 1.75  # mm
+_WIDTHS: Final = ("extrusion_width", "line_width", "outer_wall_line_width", "extrusion_width_mm")
+_NOZZLES: Final = ("nozzle_diameter", "nozzle_diameter_mm_0", "nozzle_dia_1")
 
 _KLIPPER = re.compile(
-    rb"^[ \t]*(SET_VELOCITY_LIMIT|EXCLUDE_OBJECT\w*|START_PRINT|PRINT_START|SET_PRESSURE_ADVANCE|_\w+)\b"
+    rb"^[ \t]*(?i:SET_VELOCITY_LIMIT|EXCLUDE_OBJECT\w*|START_PRINT|PRINT_START|SET_PRESSURE_ADVANCE|_\w+)\b"
     rb"|^;[ \t]*gcode_flavor = klipper|^;FLAVOR:Klipper",
     re.MULTILINE,
 )
 _REPRAP = re.compile(rb"^[ \t]*M(?:566|572|593|98 )|^;[ \t]*gcode_flavor = reprap|^;FLAVOR:RepRap", re.MULTILINE)
-_SLICER = re.compile(rb"PrusaSlicer|OrcaSlicer|SuperSlicer|BambuStudio|Slic3r|Cura_SteamEngine|ideaMaker|Simplify3D")
+_SLICER = re.compile(
+    rb"PrusaSlicer|OrcaSlicer|SuperSlicer|BambuStudio|Slic3r|Cura_SteamEngine|ideaMaker|Simplify3D|KISSlicer"
+    rb"|Kiri:Moto|IceSL"
+)
+_E_MODE = re.compile(rb"^[ \t]*(?:N[0-9]+[ \t]*)?M8[23]\b", re.MULTILINE | re.IGNORECASE)
+_STEPS: Final = "M83"
 _EXTRUDES = re.compile(rb"^[ \t]*G0?1\b[^;\r\n]*[ \t]E-?[0-9.]", re.MULTILINE)
 _BEAD = re.compile(rb"^[ \t]*G0?1[ \t][^;(\r\n]*Y-?[0-9.][^;(\r\n]*[ \t]E[0-9.]", re.MULTILINE)  # no lathe has Y
 
@@ -62,15 +70,21 @@ class PrinterCell:
     path: ToolPath
     chosen: frozenset[int]
     settings: dict[str, str]
+    counts_steps: bool
+    """E words are steps, though the program does not say so: its start macro does."""
 
     @staticmethod
     def of(program: SourceText) -> PrinterCell:
         """From the moves of a program, up to its first error."""
         dialect, why = _dialect_of(program.raw)
         table = ToolTable({number: ToolEntry(number=number) for number in range(_MOST_NOZZLES)})
-        run = interpret(program, Settings(dialect=dialect, tool_table=table, has_cell=True))
-        chosen: set[int] = set()
-        path = build_tool_path(_choices(run.stream(), chosen), ZERO)
+        settings = Settings(dialect=dialect, tool_table=table, has_cell=True)
+        run, path, chosen = _reading(program, settings)
+        counts_steps = False
+        if not _E_MODE.search(program.raw) and any(f.code == "GS178" for f in run.findings):
+            steps = _reading(program, replace(settings, startup=SourceText("startup", f"{_STEPS}\n".encode())))
+            counts_steps = all(f.code != "GS178" for f in steps[0].findings)
+            run, path, chosen = steps if counts_steps else (run, path, chosen)
         error = next((f.span.line for f in run.findings if f.level >= Severity.ERROR), 0)
         return PrinterCell(
             program=program.name,
@@ -80,6 +94,7 @@ class PrinterCell:
             path=path,
             chosen=frozenset(chosen),
             settings=_settings(program.raw),
+            counts_steps=counts_steps,
         )
 
     @property
@@ -107,6 +122,10 @@ class PrinterCell:
             "gcodesim: 1",
             f"dialect: {self.dialect:<10} # {self.why}",
         ]
+        if self.counts_steps:
+            lines.append(
+                f"startup: {_STEPS}       # E words fall, so they are steps; a macro of the printer will say so"
+            )
         if self.failed:
             lines.append(f"# line {self.failed} of the program has an error, so a run stops there: see `gcodesim lint`")
         lines += ["", "machine:  # the axes are fast, so that only the limits of the firmware count", "  axes:"]
@@ -200,21 +219,33 @@ class PrinterCell:
             order = np.argsort(values, kind="stable")
             passed = np.cumsum(weights[order])
             return float(values[order][np.searchsorted(passed, 0.5 * passed[-1])])
-        names = ("layer_height",) if of == "height" else ("extrusion_width", "line_width", "outer_wall_line_width")
+        names = ("layer_height",) if of == "height" else _WIDTHS
         for name in names:
             if (number := _number(self.settings.get(name, ""))) > 0.0:
                 return number * MM
         if of == "width":
-            return 1.125 * (_number(self.settings.get("nozzle_diameter", "")) or _NOZZLE) * MM
+            return 1.125 * (self._first(_NOZZLES) or _NOZZLE) * MM
         steps = np.diff(distinct(np.round(self.path.end[self.laying, 2] / MM, 4)))
         return float(np.median(steps)) * MM if len(steps) else 0.2 * MM
+
+    def _first(self, names: Iterable[str]) -> float:
+        """The first number that settings have under one of `names`; 0 if none has."""
+        return next((number for name in names if (number := _number(self.settings.get(name, ""))) > 0.0), 0.0)
 
     def _filament(self, number: int) -> float:
         """Diameter [mm] of the filament of a nozzle."""
         listed = self.settings.get("filament_diameter") or self.settings.get("filamentdiameters", "")
         told = re.split(r"[,;|]", listed)
-        own = self.settings.get(f"filament_diameter_#{number + 1}") or told[number if number < len(told) else 0]
-        return _number(own) or _FILAMENT
+        own = self._first((f"filament_diameter_#{number + 1}", f"filament_diameter_mm_{number}", "fiber_dia_mm"))
+        return own or _number(told[number if number < len(told) else 0]) or _FILAMENT
+
+
+def _reading(program: SourceText, settings: Settings) -> tuple[Run, ToolPath, set[int]]:
+    """The program as it is read, its moves, and the tools that its lines choose."""
+    run = interpret(program, settings)
+    chosen: set[int] = set()
+    path = build_tool_path(_choices(run.stream(), chosen), ZERO)
+    return run, path, chosen
 
 
 def _choices(events: Iterable[Event | MoveBatch], chosen: set[int]) -> Iterator[Event | MoveBatch]:
@@ -234,9 +265,14 @@ def _dialect_of(raw: bytes) -> tuple[str, str]:
 
 
 def _settings(raw: bytes) -> dict[str, str]:
-    """What slicers write as comments: `; name = value` (PrusaSlicer and its like), `;name: value`, `;  name,value`."""
+    """What slicers write as comments: `; name = value` (PrusaSlicer and its like), `;name: value`, `;  name,value`.
+
+    The first one counts: a file may list the settings of each object after those of the first.
+    """
     found: dict[str, str] = {}
-    for name, value in re.findall(rb"^;[ \t]*([A-Za-z_ ]+?(?:#[0-9]+)?)[ \t]*[=:,][ \t]*([^\r\n]*)", raw, re.MULTILINE):
+    for name, value in re.findall(
+        rb"^;[ \t]*([A-Za-z_ ]+?(?:#?[0-9]+)?)[ \t]*[=:,][ \t]*([^\r\n]*)", raw, re.MULTILINE
+    ):
         found.setdefault(name.decode().strip().lower().replace(" ", "_"), value.decode("utf-8", "replace").strip())
     return found
 

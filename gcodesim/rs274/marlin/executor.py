@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from typing import Final
 
@@ -104,6 +105,12 @@ class PrinterExecutor(Executor):
             self._fault(Fault("GS123", "a value is too large to be computed with"), file, index, text, None)
         if len(control.notes) > MOST_NOTES:
             self.hand_over_notes()
+
+    def _startup_blocks(self, text: str) -> list[str]:
+        """A line for each command, since a printer's line has one; each stands where it stands in the cell."""
+        begins = [found.start() for found in re.finditer(r"[GMgm]|^\s*[^GMgm\s]", text)]
+        ends = [*begins[1:], len(text)][: len(begins)]
+        return [" " * begin + text[begin:end] for begin, end in zip(begins, ends, strict=True)]
 
     def _check_sum(self, line: MarlinLine) -> None:
         if line.checksum is not None and line.checksum[0] != line.checksum[1]:

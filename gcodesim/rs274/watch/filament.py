@@ -72,7 +72,8 @@ class FallingFilament(Watch):
                 code="GS178",
                 message=f"E falls on {self._fallen} of {moves} moves with filament, which is drawn back there",
                 span=self._first,
-                hint="say M83 if E words are steps; M82 and G92 E0 if they count from a place",
+                hint="say M83 if E words are steps, or `startup: M83` in the cell if a start macro of the printer "
+                "does; M82 and G92 E0 if they count from a place",
                 value=float(self._fallen),
                 limit=SHARE * moves,
             )

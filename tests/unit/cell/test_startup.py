@@ -10,12 +10,13 @@ import pytest
 from gcodesim.canon.batch import MoveBatch
 from gcodesim.cell.loader import LoadedCell, read_cell
 from gcodesim.cell.show import cell_as_text
-from gcodesim.diagnostics import SourceText, Span
+from gcodesim.diagnostics import Severity, SourceText, Span
 from gcodesim.rs274 import interpret
 from gcodesim.simulation import prepare, settings_in_cell
 
 NOWHERE = Span("p.nc")
 PROGRAM = "G0 X1 Y2\nG1 X2 F10\nG1 Y3\nM2\n"
+PRINT = "G1 X1 Y2 F60\nG1 X2 E1\nG1 X3 E0.5\n"
 
 
 def loaded(startup: str, dialect: str = "linuxcnc") -> LoadedCell:
@@ -40,16 +41,33 @@ def events(cell: LoadedCell, program: str = PROGRAM, lane: str = "auto") -> list
         ("G20 G95 F0.1", "linuxcnc"),
         ("G20 G91", "grbl"),
         ("G20 G91", "fanuc"),
-        ("G20 G91", "marlin"),
+        ("G20", "marlin"),
+        ("M83", "marlin"),
+        ("m83", "klipper"),
     ],
 )
 @pytest.mark.parametrize("lane", ["grammar", "compiled"])
 def test_the_program_runs_as_if_it_began_with_these_words(words: str, dialect: str, lane: str) -> None:
-    begun = [one for one in events(loaded("", dialect), f"{words}\n{PROGRAM}", lane) if "PathMode" not in one]
+    program = PRINT if "83" in words else PROGRAM
+    begun = [one for one in events(loaded("", dialect), f"{words}\n{program}", lane) if "PathMode" not in one]
     assert [
-        one for one in events(loaded(f"startup: {words}", dialect), f"\n{PROGRAM}", lane) if "PathMode" not in one
+        one for one in events(loaded(f"startup: {words}", dialect), f"\n{program}", lane) if "PathMode" not in one
     ] == begun
-    assert begun != events(loaded("", dialect), lane=lane)
+    assert begun != events(loaded("", dialect), program, lane=lane)
+
+
+def test_a_printer_takes_several_commands_of_one_line() -> None:
+    """A line of its programs has one; each of these counts."""
+    both = events(loaded("startup: G20 M83", "marlin"), f"\n\n{PRINT}")
+    assert both == events(loaded("", "marlin"), f"G20\nM83\n{PRINT}")
+    assert both != events(loaded("startup: M83", "marlin"), f"\n\n{PRINT}")
+    assert both != events(loaded("startup: G20", "marlin"), f"\n\n{PRINT}")
+
+
+@pytest.mark.parametrize(("words", "dialect"), [("M83", "linuxcnc"), ("F600", "marlin")])
+def test_words_of_other_controls_are_told(words: str, dialect: str) -> None:
+    job = prepare(SourceText("p.nc", PROGRAM.encode()), loaded(f"startup: {words}", dialect))
+    assert [(f.span.file, f.span.line) for f in job.findings if f.level is Severity.ERROR] == [("cell.yaml", 4)]
 
 
 def test_the_program_has_the_last_word() -> None:

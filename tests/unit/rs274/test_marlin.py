@@ -140,10 +140,19 @@ def test_m400_may_wait_longer_than_the_moves(printed):
         ),
         (";LAYER_CHANGE\n;LAYER:7\n", (1, "", 0, 0)),
         ("; layer 1, Z = 0.2\n; feature skirt\n", (1, "skirt", 0, 0)),
+        (
+            "; BEGIN_LAYER_OBJECT z=0.263 z_thickness=0.263\n; END_LAYER_OBJECT z=0.263\n"
+            "; BEGIN_LAYER_OBJECT z=0.541 z_thickness=0.278\n; 'Solid Path', 0.4 [feed mm/s], 9.5 [head mm/s]\n",
+            (2, "Solid", 0, 2.78e-4),
+        ),
+        ("; BEGIN_LAYER_RAFT z=0.3\n; 'Crown Path'\n", (1, "", 0, 0)),
+        ("; <layer>\n; </layer>\n; <layer>\n", (2, "", 0, 0)),
+        (";; --- layer 0 (0.250 @ 0.255) ---\n;; --- layer 1 (.2mm @ 0.455mm) ---\n", (2, "", 0, 2e-4)),
     ],
 )
-def test_what_slicers_say(printed, text, section):
-    found = [e for e in printed(text + "G1 X1 F60\n").raw if isinstance(e, canon.SectionStart)]
+@pytest.mark.parametrize("lane", ["grammar", "compiled"])
+def test_what_slicers_say(printed, text, section, lane):
+    found = [e for e in printed(text + "G1 X1 F60\n", lane=lane).raw if isinstance(e, canon.SectionStart)]
 
     assert found[-1].section == pytest.approx(section)
 
@@ -293,5 +302,6 @@ def test_sizes_of_simplify3d_and_layers_of_kiri_moto(printed):
     text += ";; --- layer 1 (0.25mm @ 0.5mm) ---\nG1 X0 E1\n"
     sections = [event.section for event in printed(text).raw if isinstance(event, canon.SectionStart)]
 
-    assert (sections[-1].height, sections[-1].width) == pytest.approx((0.2e-3, 0.48e-3))
+    assert (sections[-2].height, sections[-2].width) == pytest.approx((0.2e-3, 0.48e-3))
     assert [section.layer for section in sections] == [1, 1, 2]
+    assert sections[-1].height == pytest.approx(0.25e-3)
