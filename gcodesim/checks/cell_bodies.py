@@ -16,7 +16,7 @@ from gcodesim.checks.pairs import role_of_part
 from gcodesim.checks.rigid import RigidBody, Woods
 from gcodesim.checks.way_kernels import JointTree
 from gcodesim.frames import WORLD, Array, Pose
-from gcodesim.scene import Mover, Role, Scene
+from gcodesim.scene import PUT, Mover, Role, Scene
 from gcodesim.solids import Placed
 
 if TYPE_CHECKING:
@@ -72,7 +72,7 @@ class CellTree:
     @cached_property
     def part(self) -> dict[str, int]:
         count = self.shared
-        names = [body.name for body in self.scene.bodies if body.role == "part"]
+        names = [body.name for body in self.scene.bodies if body.role in PUT]
         return {name: count + index for index, name in enumerate(names)}
 
     @property
@@ -222,13 +222,13 @@ def _links(tree: CellTree, mover: Mover) -> list[CellBody]:
 
 
 def _standing(tree: CellTree) -> list[CellBody]:
-    """Fixtures, stocks in their shape at the start, devices and parts."""
+    """Fixtures, stocks in their shape at the start, devices, parts and loose pieces."""
     found = []
     for body in tree.scene.bodies:
         solids = tuple(placed for placed in body.solids if readable(placed))
         if body.role == "link" or not solids:
             continue
-        if body.role == "part":
+        if body.role in PUT:
             joint = tree.part[body.name]
         elif body.name in tree.devices and tree.devices[body.name].speed > 0.0:  # its belt moves, and it does not
             X_W = tree.scene.at_rest(body.name)

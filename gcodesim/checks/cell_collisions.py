@@ -14,7 +14,7 @@ from gcodesim.checks.cell_meetings import CellMeeting
 from gcodesim.checks.clearance import tip_in_words
 from gcodesim.diagnostics import Diagnostic, Span
 from gcodesim.frames import Array, Pose
-from gcodesim.scene import Stay
+from gcodesim.scene import PUT, Stay
 from gcodesim.tools.parts import body_part
 from gcodesim.units import MM
 
@@ -34,6 +34,7 @@ _HINTS: Final = {
     DEVICE: "wait until it is out of the way (`M66` on an input of it), or switch it later",
     MACHINES: "let one wait for the other at a mark, or give each a zone of its own",
 }
+LOOSE_HINT: Final = "clear it away before this line (`M0`), leave tabs, or cut it free last"
 _AFTER: Final = 1e-7  # [s] by which a row has begun that begins at a time
 
 
@@ -118,8 +119,8 @@ class CellWords:
     def _collision(self, meeting: CellMeeting) -> Diagnostic:
         one, other = self._ordered(meeting)
         roles = {one.role, other.role}
-        code = PART if "part" in roles else DEVICE if "obstacle" in roles else MACHINES
-        hint = _HINTS[code]
+        code = PART if roles & PUT else DEVICE if "obstacle" in roles else MACHINES
+        hint = LOOSE_HINT if "loose" in roles else _HINTS[code]
         if code == MACHINES and "fixture" in roles and one.part and not other.mover:
             code, hint = body_part(one.part).code, body_part(one.part).hint
         elif code == MACHINES and other.stand:
@@ -232,6 +233,8 @@ def _words(body: CellBody, held: Mapping[str, str]) -> str:
     if body.role == "part":
         who = held.get(body.frame, "").partition(" ")[2]
         return f"part `{name}`, held by {who}," if who else f"part `{name}`"
+    if body.role == "loose":
+        return f"loose piece {name}"
     if body.role == "obstacle":
         return f"device `{name}`"
     if body.role == "stock":

@@ -24,7 +24,7 @@ from gcodesim.checks.pairs import pairs_by_kind
 from gcodesim.checks.timed_way import TimedWay
 from gcodesim.checks.way_kernels import JointTree
 from gcodesim.frames import Array, Pose
-from gcodesim.scene import Stay
+from gcodesim.scene import PUT, Stay
 
 WANTED: Final = 0.5e-3
 """How deep [m] bodies may be in each other that are meant to touch: a part in what it stands on, a clamp in a part."""
@@ -76,6 +76,8 @@ def may_meet(one: CellBody, other: CellBody, grippers: Collection[int]) -> bool:
     Grippers are no bodies of revolution, and do not keep their shape: what they do to fixtures is looked for here, too.
     """
     roles = {one.role, other.role}
+    if "loose" in roles:  # what it lies on, or beside, is found out when it falls
+        return bool(roles & {"link", "tool", "holder"})
     if one.stand or other.stand:
         return not roles <= {"fixture", "stock"}
     if roles & {"part", "obstacle"}:
@@ -87,9 +89,16 @@ def may_meet(one: CellBody, other: CellBody, grippers: Collection[int]) -> bool:
     return not ("stock" in roles and roles & {"tool", "stock"})  # a tool works there
 
 
-def wanted(one: CellBody, other: CellBody, grippers: Mapping[int, float]) -> float:
-    """How deep [m] these may be in each other in any case; `grippers` says how far their contacts give."""
+def wanted(
+    one: CellBody, other: CellBody, grippers: Mapping[int, float], grain: Mapping[str, float] | None = None
+) -> float:
+    """How deep [m] these may be in each other in any case.
+
+    `grippers` says how far their contacts give, `grain` how exactly the shapes of loose pieces are known.
+    """
     roles = {one.role, other.role}
+    if "loose" in roles:
+        return max((grain or {}).get(body.frame, TOUCH) for body in (one, other))
     if "part" in roles:
         for body in (one, other):
             if body.tool in grippers:
@@ -104,7 +113,8 @@ class CellSearch:
     """What meets in a cell while its joints go along `way`, with parts and tools where they are.
 
     `grippers` are the tools that hold parts, and by how much [m] their contacts give. Bodies whose names are `apart`
-    as a pair are not checked against each other.
+    as a pair are not checked against each other. `grain` [m] is how exactly the shapes of loose pieces are known, by
+    their frames.
     """
 
     cell: CellBodies
@@ -115,6 +125,7 @@ class CellSearch:
     clearance: float | None = None
     dockings: Sequence[Docking] = ()
     apart: frozenset[frozenset[str]] = frozenset()
+    grain: Mapping[str, float] = field(default_factory=dict)
     overlaps: list[tuple[CellBody, CellBody, float]] = field(default_factory=list)
     """Lying things that are drawn in each other, and since when [s]: they are not checked against each other."""
 
@@ -142,7 +153,7 @@ class CellSearch:
     def _depth(self) -> Array:
         """How deep (p,) [m] the bodies of each pair may be in each other."""
         bodies = self.cell.bodies
-        return np.array([wanted(bodies[i], bodies[j], self.grippers) for i, j in self.pairs.tolist()])
+        return np.array([wanted(bodies[i], bodies[j], self.grippers, self.grain) for i, j in self.pairs.tolist()])
 
     @cached_property
     def _lying(self) -> Flags:
@@ -282,7 +293,7 @@ class _Phase:
         return self.search_of.cell
 
     def _is_there(self, body: CellBody) -> bool:
-        if body.role == "part":
+        if body.role in PUT:
             return body.frame in self.places
         if body.stand:
             return body.stand not in self.tools.values()
@@ -298,7 +309,7 @@ class _Phase:
         """The joint (b,) of a mover or device that carries each body in this phase."""
         joint = self.cell.carrier.copy()
         for i, body in enumerate(self.cell.bodies):
-            if body.role == "part":
+            if body.role in PUT:
                 joint[i] = self.places[body.frame][0] if body.frame in self.places else -1
         return joint
 
@@ -337,7 +348,7 @@ class _Phase:
         for b, body in enumerate(self.cell.bodies):
             root = int(woods.root[b])
             at, size = woods.forest.centre[root], float(woods.forest.radius[root]) + room
-            if body.role == "part":
+            if body.role in PUT:
                 if body.frame not in self.places:
                     continue
                 at = self.places[body.frame][1].apply(at)
@@ -349,7 +360,7 @@ class _Phase:
     def _moving(self, rows: NDArray[np.intp]) -> tuple[MovingBodies, int]:
         """The pairs in a tree with no more parts than they have; how many parts these are."""
         cell, pairs = self.cell, self.search_of.pairs[rows]
-        used = sorted({int(b) for b in pairs.ravel() if cell.bodies[b].role == "part"})
+        used = sorted({int(b) for b in pairs.ravel() if cell.bodies[b].role in PUT})
         names = dict.fromkeys(cell.bodies[b].frame for b in used)
         joints = cell.tree.with_parts({name: self.places[name] for name in names})
         carrier = cell.carrier.copy()

@@ -31,12 +31,16 @@ YIELDS: Final = 1e-3
 
 @frozen(kw_only=False, eq=False)
 class Freed:
-    """A piece of the stock `name` that the path row `row` has cut loose, in a step of a window."""
+    """A piece of the stock `name` that the path row `row` has cut loose, in a step of a window.
+
+    What cut it acts within `radius` [m] of its axis.
+    """
 
     name: str
     step: int
     row: int
     piece: PartedPiece
+    radius: float = 0.0
 
 
 class Freeing:
@@ -123,7 +127,7 @@ class Freeing:
         parted = parting.parted(kept)
         for piece in [] if parted is None else parting.take_out(parted):
             at, row = self._passing(piece, step)
-            self.freed.append(Freed(self._task.target.name, at, row, piece))
+            self.freed.append(Freed(self._task.target.name, at, row, piece, float(self._task.process.zone.radius)))
 
     def _passing(self, piece: PartedPiece, step: int | None) -> tuple[int, int]:
         """The step (if it is not known) and the path row of the last way that came nearest to a piece."""

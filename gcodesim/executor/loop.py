@@ -32,7 +32,9 @@ from gcodesim.tools.gripper import Gripper
 from gcodesim.world import WorldSteps
 
 if TYPE_CHECKING:
+    from gcodesim.executor.loose_bodies import LooseBodies
     from gcodesim.planning import Plan
+
 MANY_TICKS: Final = 1 << 31
 """More than a run has: nobody wants to look at the stocks before a window is full."""
 
@@ -80,7 +82,10 @@ def execute_together(
     passes = passes_of(channels[0].shop)
     dt_ns = pacing.dt_ns
     things = _parts_of(channels, world_name, dt_ns)
-    tracks = [Track(brought, world_name, dt_ns, passes, number, things) for number, brought in enumerate(channels)]
+    loose = _loose_of(channels, world_name, dt_ns)
+    tracks = [
+        Track(brought, world_name, dt_ns, passes, number, things, loose) for number, brought in enumerate(channels)
+    ]
     first_track = tracks[0]
     watcher = first_track.watcher
     most = MANY_TICKS if watcher is None else max(1, watcher.interval_steps)
@@ -156,7 +161,7 @@ def execute_together(
         stays = things.stays()
         last = {track.shop.name: track.stands_at[None] for track in tracks}
         ends = things.ends(first_track.done - 1, last)
-    return replace(own, others=others, parts=ends, stays=stays)
+    return replace(own, others=others, parts=ends, stays=stays, loose=() if loose is None else tuple(loose.bodies))
 
 
 def _in_hand(
@@ -204,6 +209,16 @@ def _parts_of(channels: Sequence[TrackPlan], world_name: str, dt_ns: int) -> Par
     """The parts of the cell; None where nothing would move one."""
     shop = channels[0].shop
     return PartRun(shop, world_name, dt_ns * 1e-9) if shop.moves_parts else None
+
+
+def _loose_of(channels: Sequence[TrackPlan], world_name: str, dt_ns: int) -> LooseBodies | None:
+    """What becomes of pieces that come loose; None where nothing but the machines is moved by an engine."""
+    shop = channels[0].shop
+    if world_name == "kinematic" or all(placed.revolved for placed in shop.stocks.values()):
+        return None
+    from gcodesim.executor.loose_bodies import LooseBodies
+
+    return LooseBodies(shop, world_name, dt_ns * 1e-9)
 
 
 Taken = list[tuple[Track, StepRecord]]

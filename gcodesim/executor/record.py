@@ -18,6 +18,7 @@ from gcodesim.processes.column import FORCE, Column
 from gcodesim.processes.gripping import GripEvent
 
 if TYPE_CHECKING:
+    from gcodesim.executor.loose_bodies import LooseBody
     from gcodesim.processes.sheet import Sheet
     from gcodesim.world import WorldSteps
 
@@ -30,7 +31,7 @@ class StepRecord:
     by name are those of the sheet, zero where no process gives a value; `feeds` (n,) are steps along feed moves.
     `grips` are what happened to parts, each with its step of the record; `parts` (n, parts, 4, 4) is X_WP of all
     parts, then of all devices, and `things` their frames; both in the record of the first channel. `freed` is what was
-    cut loose, each with its step of the record.
+    cut loose, each with its step of the record, and `loose` how it falls, where the world is an engine.
     """
 
     window: StepWindow
@@ -45,6 +46,7 @@ class StepRecord:
     parts: Array | None = None
     things: tuple[str, ...] = ()
     freed: tuple[tuple[int, Freed], ...] = ()
+    loose: tuple[LooseBody, ...] = ()
 
     def __len__(self) -> int:
         return len(self.window)

@@ -117,7 +117,7 @@ class StockTarget:
     @property
     def parting(self) -> Parting | None:
         """Who watches for pieces that come loose; None where nothing falls: a lathe has its own way."""
-        return None if self.placed.revolved else _parting_of(self.placed.stock)
+        return None if self.placed.revolved else parting_of(self.placed.stock)
 
 
 @frozen(kw_only=False, eq=False)
@@ -130,7 +130,7 @@ class MilledTarget(StockTarget):
 
     @property
     def parting(self) -> Parting:
-        return _parting_of(self.given)
+        return parting_of(self.given)
 
 
 @frozen(kw_only=False, eq=False)
@@ -260,7 +260,7 @@ class NoTarget:
         return _nothing_to_put_back
 
 
-def _parting_of(stock: Stock) -> Parting:
+def parting_of(stock: Stock) -> Parting:
     """Who watches this stock for pieces that come loose."""
     if stock.parting is None:
         from gcodesim.material.loose import Parting

@@ -38,6 +38,7 @@ from gcodesim.world import RobotBody, WorldSteps, open_world, tool_body
 
 if TYPE_CHECKING:
     from gcodesim.checks.stock_watch import StockWatch
+    from gcodesim.executor.loose_bodies import LooseBodies, LooseBody
     from gcodesim.material.passes import Passes
     from gcodesim.planning import Plan
 
@@ -97,7 +98,7 @@ class Execution:
     `changes` says what was done to each stock. `others`: the same of further channels.
     `passes` at each stock, of all channels, where there is a target.
     `accuracy`: how far the tip was off its path; None where neither gears nor controllers let it. `freed` are the
-    pieces that came loose, in order.
+    pieces that came loose, in order, and `loose` what became of those of all channels, where the world is an engine.
     """
 
     rows: RowTotals
@@ -114,6 +115,7 @@ class Execution:
     passes: Mapping[str, Passes] = field(default_factory=dict)
     accuracy: PathAccuracy | None = None
     freed: Sequence[Freed] = ()
+    loose: Sequence[LooseBody] = ()
 
 
 @frozen(eq=False)
@@ -144,10 +146,11 @@ class Track:
         passes: dict[str, Passes] | None = None,
         number: int = 0,
         parts: PartRun | None = None,
+        loose: LooseBodies | None = None,
     ) -> None:
         """`passes` are those at each stock, kept for all channels; `number` is that of this one."""
         plan, shop = brought.plan, brought.shop
-        self.parts = parts
+        self.parts, self._loose = parts, loose
         self.load: dict[str, tuple[Pose, MassOfSkin]] = {}
         self._on_flange: tuple[int | None, list[tuple[Pose, MassOfSkin]]] = (None, [])  # tool and load
         if parts is not None:
@@ -316,6 +319,9 @@ class Track:
                 self._bodies.take(stretch.seen, stretch.tool, window.row[here], times)
         add_changes(self.changes, cut.stints)
         self.freed.extend(piece for _, piece in record.freed)
+        if self._loose is not None and record.freed:
+            q = {self.shop.name: steps.q, **window.others}
+            record = replace(record, loose=tuple(self._loose.fall(self.shop, record.freed, window.ticks[1:], q)))
         if self._passes:
             add_passes(self._passes, cut.stints, self._number)
         if self.parts is not None:

@@ -29,7 +29,7 @@ def scene_glb(recording: Recording, t_ns: int) -> bytes:
     """A GLB file in metres: a node for each entity, named as in the log, under one node that turns Z to glTF's Y."""
     frames = recording.frames()
     drawings: list[Drawing] = []
-    for topic in ("/scene/cell", "/scene/path", "/scene/tool"):
+    for topic in ("/scene/cell", "/scene/path", "/scene/tool", "/scene/loose"):
         past = [content for time, content in recording.drawings(topic) if time <= t_ns]
         drawings += past[-1] if past else ()
     drawings += recording.stock_at(t_ns)

@@ -152,6 +152,9 @@ def _fallen() -> Json:
             line=whole("of the move that cut it loose"),
             low_mm=array("lowest corner of its box", number("in the stock's columns")),
             high_mm=array("highest corner", number("in the stock's columns")),
+            body=optional(text("`bullet` only: its frame in the log")),
+            fell_mm=optional(number("`bullet` only: how much lower it came to rest")),
+            lies_on=optional(text("`bullet` only: what on; empty for a floor that nobody has drawn")),
         ),
     )
 

@@ -9,29 +9,63 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from gcodesim.arithmetic.distinct import distinct
-from gcodesim.arithmetic.matrices import multiplied
+from gcodesim.arithmetic.matrices import multiplied, norms
 from gcodesim.cell.device import Device, DeviceHistory
 from gcodesim.cell.placement import DEVICE
 from gcodesim.diagnostics import Diagnostic, Span
 from gcodesim.frames import Array, Pose
 from gcodesim.planning.switched import history_of, switches_of
-from gcodesim.scene import Stay
+from gcodesim.scene import Body, Stand, Stay
 from gcodesim.shop import Shop, side_by_side
-from gcodesim.solids import triangles_of
+from gcodesim.solids import Mesh, Placed, Triangles, triangles_of
 from gcodesim.tools.gripper import Gripper
 
 if TYPE_CHECKING:
     from gcodesim.checks.cell_bodies import CellBody
     from gcodesim.checks.cell_collisions import Running
     from gcodesim.checks.cell_meetings import Docking, Mounted
+    from gcodesim.executor.loose_bodies import LooseBody
     from gcodesim.jobs.job import Job
     from gcodesim.planning import Plan
 
 _BLOCK: Final = 50_000  # times whose joints are asked for at once
 _JUMP: Final = 1e-6  # [s] that a device without a time of travel takes
 _HALVINGS: Final = 60
+_TRIM_STEP: Final = 2e-3  # [s] in which the way of a cutter is added up
+_TRIM_STEPS: Final = 2000
+_LONGEST_TRIM: Final = 120.0  # [s]
 
 _KEYS: Final = {"part": "parts", "device": "devices", "fixture": "fixtures", "stock": "stock"}
+
+
+def _with_loose(shop: Shop, loose: Sequence[LooseBody]) -> Shop:
+    """A shop in whose scene are the pieces that came loose, where they lie."""
+    bodies = [
+        Body(
+            name=each.name,
+            solids=(Placed(Mesh(source=Triangles(points=each.skin[0], faces=each.skin[1]))),),
+            role="loose",
+        )
+        for each in loose
+    ]
+    stands = {each.name: Stand(each.parent, each.X) for each in loose}
+    scene = shop.scene.with_frames(stands)
+    return replace(shop, scene=replace(scene, bodies=(*scene.bodies, *bodies)))
+
+
+def _lying(loose: LooseBody, plan: Plan, tick: float) -> Stay:
+    """Where a piece lies, and from when on it is in the way of anything; `tick` [s].
+
+    What stands before the very cutter that frees it is still trimmed on the next way of a diameter.
+    """
+    begin, left = loose.begin * tick, 2.0 * loose.freed.radius
+    last = min(plan.trajectory.duration, begin + _LONGEST_TRIM)
+    while left > 0.0 and begin < last:
+        times = begin + _TRIM_STEP * np.arange(1, _TRIM_STEPS + 1)
+        way = np.cumsum(norms(plan.trajectory.sample(np.minimum(times, last)).velocity[:, :3])) * _TRIM_STEP
+        at = min(int(np.searchsorted(way, left)), len(times) - 1)
+        begin, left = float(times[at]), left - float(way[at])
+    return Stay(body=loose.name, parent=loose.parent, X=loose.X, begin=max(begin, loose.end * tick))
 
 
 def meets_others(shop: Shop, channels: int) -> bool:
@@ -42,10 +76,17 @@ def meets_others(shop: Shop, channels: int) -> bool:
     return things or grips or channels > 1 or len(shop.scene.movers) > 1
 
 
-def collisions(job: Job, stays: Sequence[Stay] | None, end: float | None = None) -> Iterator[Diagnostic]:
-    """Findings about all channels of a run, up to `end` [s]; `stays` are those of parts, None: they have not moved."""
-    assert job.shop is not None
-    if not meets_others(job.shop, len(job.all)) or any(each.plan is None or each.shop is None for each in job.all):
+def collisions(
+    job: Job, stays: Sequence[Stay] | None, end: float | None = None, loose: Sequence[LooseBody] = ()
+) -> Iterator[Diagnostic]:
+    """Findings about all channels of a run, up to `end` [s].
+
+    `stays` are those of parts, None: they have not moved; `loose` are the pieces of stocks that came loose.
+    """
+    assert job.shop is not None and job.cell is not None
+    if not (loose or meets_others(job.shop, len(job.all))) or any(
+        each.plan is None or each.shop is None for each in job.all
+    ):
         return
     from gcodesim.checks.cell_bodies import CellBodies, CellTree
     from gcodesim.checks.cell_collisions import CellWords, changes_with_a_part
@@ -53,7 +94,7 @@ def collisions(job: Job, stays: Sequence[Stay] | None, end: float | None = None)
 
     shops = side_by_side(job.shop, [each.shop for each in job.others if each.shop is not None])
     plans = [each.plan for each in job.all if each.plan is not None]
-    shop, cell = shops[0], shops[0].cell
+    shop, cell = _with_loose(shops[0], loose), shops[0].cell
     running = [_running(own, plan) for own, plan in zip(shops, plans, strict=True)]
     devices = {f"{DEVICE}/{name}": device for name, device in cell.devices.items()}
     histories = {name: _history(name, device, shops, plans) for name, device in devices.items()}
@@ -65,6 +106,8 @@ def collisions(job: Job, stays: Sequence[Stay] | None, end: float | None = None)
         stays = [_at_rest(shop, body.name) for body in shop.scene.bodies if body.role == "part"]
     stays = [_gripped(shop, part) for stay in stays for part in _up_to_the_end(stay, devices, histories, shop)]
     mounted = [each for own, plan in zip(shops, plans, strict=True) for each in _mounted(own, plan, last)]
+    plan_of = {own.name: plan for own, plan in zip(shops, plans, strict=True)}
+    stays += [_lying(each, plan_of[each.mover], cell.simulation.step_ns * 1e-9) for each in loose]
     yield from changes_with_a_part(running, stays, {n: tool.name for n, tool in cell.tools.items()}, last)
     tree = CellTree(shop.scene, devices)
     tools = {
@@ -98,6 +141,7 @@ def collisions(job: Job, stays: Sequence[Stay] | None, end: float | None = None)
         clearance=cell.limits.clearance,
         dockings=[each for own, plan in zip(shops, plans, strict=True) for each in _dockings(own, plan)],
         apart=cell.limits.apart,
+        grain={each.name: each.grain for each in loose},
     )
 
     def span_of(body: CellBody) -> Span:

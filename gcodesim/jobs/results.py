@@ -56,14 +56,27 @@ class TurnedResult:
         }
 
 
+@frozen
+class PieceRest:
+    """Where a piece came to rest that an engine let fall: `way` [m] lower, on `support`; `name` is its frame."""
+
+    name: str
+    way: float
+    support: str
+
+
 @frozen(eq=False)
 class FallenPiece:
-    """A piece that fell out of a stock: its volume [m³], its box in S [m], and the move that freed it."""
+    """A piece that fell out of a stock: its volume [m³], its box in S [m], and the move that freed it.
+
+    `rest` is where it lies, where the world is an engine.
+    """
 
     volume: float
     low: Array
     high: Array
     span: Span
+    rest: PieceRest | None = None
 
     def as_json(self) -> dict[str, Any]:
         return {
@@ -72,7 +85,12 @@ class FallenPiece:
             "line": self.span.line,
             "low_mm": [rounded(value / MM) for value in self.low.tolist()],
             "high_mm": [rounded(value / MM) for value in self.high.tolist()],
+            **({} if self.rest is None else self._rest(self.rest)),
         }
+
+    @staticmethod
+    def _rest(rest: PieceRest) -> dict[str, Any]:
+        return {"body": rest.name, "fell_mm": rounded(rest.way / MM), "lies_on": rest.support}
 
 
 @frozen

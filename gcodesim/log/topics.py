@@ -33,6 +33,10 @@ DRAWN: Final = Topic("/scene/drawn", "foxglove.SceneUpdate", "change")
 """What a script draws; only logs of sessions have it."""
 
 
+LOOSE: Final = Topic("/scene/loose", "foxglove.SceneUpdate", "change")
+"""Pieces that came loose; only logs of runs in an engine have it."""
+
+
 def tile_topic(family: str, index: int) -> str:
     """The topic of tile `index` of `stock` or `added`."""
     return f"/scene/{family}/{index:02d}"

@@ -16,6 +16,7 @@ from gcodesim.material.field_kernels import PATCH
 
 if TYPE_CHECKING:
     from gcodesim.material.lattice import Lattice
+    from gcodesim.material.loose_body import LooseBody
     from gcodesim.material.loose_kernels import BodyWays, PatchCopies, PieceSizes
     from gcodesim.material.stock import Stock
 
@@ -31,11 +32,15 @@ BESIDE: Final = 2.0
 
 
 class PartedPiece(NamedTuple):
-    """A piece that hangs on nothing: its volume [m³] and its box, `low` and `high` (3,) [m] in S."""
+    """A piece that hangs on nothing: its volume [m³] and its box, `low` and `high` (3,) [m] in S.
+
+    `body` is what it is as a body, where somebody wants to know.
+    """
 
     volume: float
     low: Array
     high: Array
+    body: LooseBody | None = None
 
 
 class Kept(NamedTuple):
@@ -59,14 +64,17 @@ class Parted(NamedTuple):
 
 
 class Parting:
-    """Watches one stock. `whole`: every column is one interval still, and none begins above the height `floor` [m]."""
+    """Watches one stock. `whole`: every column is one interval still, and none begins above the height `floor` [m].
+
+    `bodies`: pieces are wanted as bodies, too.
+    """
 
     def __init__(self, stock: Stock) -> None:
         lo, _, number = stock.field.columns
         self._stock = stock
         self.whole = bool((number <= 1).all())
         self.floor = float(lo[:, :, 0][number > 0].max(initial=-np.inf))
-        self.off = False
+        self.off = self.bodies = False
 
     def may_part(self, lowest: float, *, from_above: bool) -> bool:
         """Whether a cut may part something whose tip comes down to `lowest` [m]; True where nobody can tell.
@@ -171,37 +179,43 @@ class Parting:
 
     def take_out(self, parted: Parted) -> list[PartedPiece]:
         """Take what came loose out of the stock, greatest first; together they have the volume that the stock loses."""
-        from gcodesim.material.kernels import patch_tops
-        from gcodesim.material.loose_kernels import take_pieces
-
         stock, sizes = self._stock, parted.sizes
         goes = np.zeros(len(sizes.length), dtype=np.uint8)
         goes[list(parted.loose)] = 1
-        before = stock.volume
-        self._take_across(parted.label, goes)
-        take_pieces(stock.field, parted.label, goes)
-        patch_tops(stock.field.columns, stock.field.tops)
+        before, volume = stock.copy() if self.bodies else None, stock.volume
+        _take(stock, parted.label, goes)
         corner, spacing = np.append(stock.origin, 0.0), np.append(stock.spacing, 1.0)
         beyond = np.array([1.0, 1.0, 0.0])
-        per_length = (before - stock.volume) / float(sum(sizes.length[p] for p in parted.loose))
-        return [
-            PartedPiece(
-                volume=float(sizes.length[p]) * per_length,
-                low=corner + spacing * sizes.low[p],
-                high=corner + spacing * (sizes.high[p] + beyond),
-            )
-            for p in parted.loose
-        ]
+        per_length = (volume - stock.volume) / float(sum(sizes.length[p] for p in parted.loose))
+        pieces = []
+        for p in parted.loose:
+            low, high = corner + spacing * sizes.low[p], corner + spacing * (sizes.high[p] + beyond)
+            body = None if before is None else _body(before, stock, parted.label, p, low, high)
+            pieces.append(PartedPiece(float(sizes.length[p]) * per_length, low, high, body))
+        return pieces
 
-    def _take_across(self, label: Ints, goes: Bytes) -> None:
-        """Take the pieces out of the columns along x and y, if there are any."""
-        from gcodesim.material.loose_kernels import mark_gone, take_across
 
-        stock = self._stock
-        if stock.lattice is None:
-            return
+def _body(before: Stock, stock: Stock, label: Ints, p: int, low: Array, high: Array) -> LooseBody:
+    """Piece `p` of a stock as it was before pieces came out of it; `stock` is what is left."""
+    from gcodesim.material.loose_body import loose_body
+
+    alone = before.copy()
+    others = np.ones(int(label.max()), dtype=np.uint8)
+    others[p] = 0
+    _take(alone, label, others)
+    return loose_body(alone, stock, low, high)
+
+
+def _take(stock: Stock, label: Ints, goes: Bytes) -> None:
+    """Take the pieces that `goes` names, by their number less one, out of a stock."""
+    from gcodesim.material.kernels import patch_tops
+    from gcodesim.material.loose_kernels import mark_gone, take_across, take_pieces
+
+    if stock.lattice is not None:
         upright = stock.field.columns
         gone = np.zeros(label.shape, dtype=np.int32)
         mark_gone(label, upright.number, goes, gone)
         for along, field in enumerate(stock.lattice.fields):
             take_across(field, along, upright, stock.field.grid, gone)
+    take_pieces(stock.field, label, goes)
+    patch_tops(stock.field.columns, stock.field.tops)

@@ -184,7 +184,7 @@ class Recording:
         """
         wanted: dict[int, tuple[str, Callable[[RawMessage], Any]]] = {}
         others = [f"/{name}{topic}" for name in self.channels for topic in ("/event", "/scene/tool")]
-        scenes = ("/scene/cell", "/scene/path", "/scene/tool", "/scene/drawn")
+        scenes = ("/scene/cell", "/scene/path", "/scene/tool", "/scene/drawn", "/scene/loose")
         for topic in ("/tf_static", "/program", "/event", *scenes, *others):
             channel = self.log.channel_id(topic)
             if channel is not None:
@@ -243,8 +243,9 @@ class Recording:
         return [self.series(topic, every_ns) for topic in topics]
 
     def tools(self) -> list[tuple[int, tuple[Drawing, ...]]]:
-        """The tools in all spindles, whenever one of them changes."""
-        own = [self.drawings(topic) for topic in ("/scene/tool", *(f"/{name}/scene/tool" for name in self.channels))]
+        """The tools in all spindles and the pieces that came loose, whenever one of them changes."""
+        topics = ("/scene/tool", *(f"/{name}/scene/tool" for name in self.channels), "/scene/loose")
+        own = [self.drawings(topic) for topic in topics]
         shown: list[tuple[Drawing, ...]] = [() for _ in own]
         found: dict[int, tuple[Drawing, ...]] = {}
         changes = [(t_ns, i, content) for i, drawn in enumerate(own) for t_ns, content in drawn]

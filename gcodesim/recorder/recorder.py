@@ -33,8 +33,8 @@ from gcodesim.log import (
     layout,
 )
 from gcodesim.log.further import FurtherLog
-from gcodesim.log.scene import lines_update
-from gcodesim.log.topics import DRAWN, Topic
+from gcodesim.log.scene import entities_update, lines_update
+from gcodesim.log.topics import DRAWN, LOOSE, Topic
 from gcodesim.motion.tool_path import HOME, RAPID
 from gcodesim.processes.column import FORCE, LOG, POWER, RESULTS, TORQUE, Column
 from gcodesim.recorder.blocks import Blocks
@@ -44,6 +44,7 @@ from gcodesim.recorder.frames import Frames, seven, stock_frame, work_systems
 from gcodesim.recorder.instants import Instants
 from gcodesim.recorder.limits import JointLimits
 from gcodesim.recorder.look import layout_kind, view_of
+from gcodesim.recorder.loose import LoosePieces
 from gcodesim.recorder.pose_kernels import bend, compare
 from gcodesim.recorder.reporter import Reporter
 from gcodesim.recorder.result_files import write_files
@@ -106,6 +107,7 @@ class Recorder:
         self._begin_with(LogWriter(out / LOG_NAME, self._description(self._ways), live, further))
         for other in self.others:
             other.begin_in(self._writer)
+            other.share(self._loose)
 
     def _set_up(self, job: Job, prefix: str) -> None:
         assert job.shop is not None and job.plan is not None and job.cell is not None
@@ -127,6 +129,8 @@ class Recorder:
         self._tile_ns = self._tile_period(
             max(each.plan.trajectory.duration_ns for each in job.all if each.plan is not None)
         )
+        engine = job.world == BULLET and any(not placed.revolved for placed in self._shop.stocks.values())
+        self._loose = LoosePieces(self._frames, self._step_ns) if engine and not prefix else None
         self._limits = JointLimits.of(self._shop)
         self._sheet = self._shop.sheet
         self._instants = Instants(self._plan, self._sheet)
@@ -135,7 +139,7 @@ class Recorder:
         self._now_ns = 0
         self._tool = -1
         self._fingers = (-1, 1.0)
-        self._draws_stands = not prefix
+        self._is_first = not prefix
         together = [] if job.alone else [job, *job.others]
         self._tool_times = [ToolTimes.of(each, self._step_ns) for each in together if each.plan is not None]
 
@@ -240,9 +244,10 @@ class Recorder:
 
     @property
     def _drawn_topics(self) -> tuple[tuple[Topic, bytes], ...]:
-        """The topic of what a script draws, with what it shows at the start."""
+        """The topics of what a script draws, and of pieces that come loose, with what they show at the start."""
         drawings = self._job.drawings
-        return () if drawings is None else ((DRAWN, lines_update(0, drawings)),)
+        shown = () if drawings is None else ((DRAWN, lines_update(0, drawings)),)
+        return shown if self._loose is None else (*shown, (LOOSE, entities_update(0, [])))
 
     def _fields(self) -> tuple[ProcessField, ...]:
         fields = tuple(field for column in self._sheet.own(LOG) for field in _fields_of(column))
@@ -300,6 +305,7 @@ class Recorder:
         self._texts.until(int(ends[-1]))
         self._changes_of_tool(self._now_ns, int(ends[-1]), window)
         self._moves_of_fingers(record, ends, logged)
+        self._moves_of_pieces(record, int(ends[-1]))
         self._write(record, ends[logged], logged)
         self._now_ns = int(ends[-1])
         tiles, films = seen or ((), ())
@@ -392,7 +398,7 @@ class Recorder:
     def _draw_tool(self, t_ns: int, tool: Tool | None, opening: float = 1.0) -> None:
         """Draw the tool in the spindle; the first channel also draws those that wait in stands, for all machines."""
         waiting = []
-        if self._draws_stands:
+        if self._is_first:
             waiting = tools_in_stands(self._shop, {self._tool, *(times.at(t_ns)[0] for times in self._tool_times[1:])})
         self._writer.tool(t_ns, tool_shapes(tool, opening), self._frames.tool, waiting)
 
@@ -409,6 +415,15 @@ class Recorder:
                 self._fingers = (tool.number, opening)
                 if tool.number == self._tool:
                     self._draw_tool(int(ends[k]), tool, opening)
+
+    def _moves_of_pieces(self, record: StepRecord, t_ns: int) -> None:
+        """Draw pieces of stocks on their way down; those that further channels free are taken as they come, too."""
+        if self._loose is None:
+            return
+        for body in record.loose:
+            self._loose.add(body)
+        for at_ns, entities in self._loose.until(t_ns) if self._is_first else ():
+            self._writer.sensed(at_ns, LOOSE.name, entities_update(at_ns, entities))
 
     def _change_span(self, number: int, row: int) -> tuple[str, int]:
         if number == 0 and self._shop.cell.magazine.stands:  # on its way from one stand to the next
@@ -614,6 +629,10 @@ class FurtherRecorder(Recorder):
         read = () if job.reading is None else sorted(job.reading.sources.items())
         found = {job.program.name: job.program.raw} | {name: source.raw for name, source in read}
         return found | ({} if urdf is None else {f"{self._shop.name}.urdf": urdf})
+
+    def share(self, loose: LoosePieces | None) -> None:
+        """Pieces that this program frees are drawn by the first, with its own."""
+        self._loose = loose
 
     def begin_in(self, first: LogWriter) -> None:
         """Begin to write, into the log that `first` writes."""

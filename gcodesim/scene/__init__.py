@@ -1,6 +1,6 @@
 """Where everything is: bodies, what moves them, and the frames they stand in. Knows no cell and no program."""
 
-from gcodesim.scene.body import Body, Role
+from gcodesim.scene.body import PUT, Body, Role
 from gcodesim.scene.carried import CarriedParts, Fall, PartChange
 from gcodesim.scene.mover import WORK, Mover
 from gcodesim.scene.past import Past
@@ -8,6 +8,7 @@ from gcodesim.scene.scene import Hold, Scene, Stand
 from gcodesim.scene.stay import Stay
 
 __all__ = [
+    "PUT",
     "WORK",
     "Body",
     "CarriedParts",

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Final, Literal
 
 from gcodesim.frozen import frozen
 from gcodesim.solids import Placed
 
-Role = Literal["link", "tool", "holder", "fixture", "stock", "part", "obstacle"]
+Role = Literal["link", "tool", "holder", "fixture", "stock", "part", "obstacle", "loose"]
+"""`loose` is a piece of a stock that came loose in a run."""
+
+PUT: Final[frozenset[Role]] = frozenset(("part", "loose"))
+"""The roles of what a `Stay` puts somewhere."""
 
 
 @frozen(eq=False)

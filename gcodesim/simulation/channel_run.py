@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from gcodesim.checks.coarse import coarse_findings
@@ -16,6 +17,7 @@ from gcodesim.observation.schedule import stations_of
 
 if TYPE_CHECKING:
     from gcodesim.executor import Execution
+    from gcodesim.executor.loose_bodies import LooseBody
     from gcodesim.executor.record import StepRecord
     from gcodesim.executor.totals import JointTotals, RowTotals
     from gcodesim.executor.track import Watcher
@@ -76,7 +78,7 @@ class ChannelRun:
         """Findings about beams that go on behind their stock."""
         self.job.findings.extend(beyond_findings(self.job, execution))
 
-    def keep_fallen(self, execution: Execution) -> None:
-        """Hand the pieces that came loose to the job."""
-        for name, piece in fallen_pieces(self.job, execution):
+    def keep_fallen(self, execution: Execution, loose: Sequence[LooseBody]) -> None:
+        """Hand the pieces that came loose to the job; `loose` are those of all channels as bodies."""
+        for name, piece in fallen_pieces(self.job, execution, loose):
             self.job.fallen.setdefault(name, []).append(piece)

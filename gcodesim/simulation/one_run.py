@@ -129,7 +129,7 @@ class OneRun:
         if self.only == "motion":
             job.legs.tell_of_untouched_stock()
         for one, own in self._by_channel(execution):
-            one.keep_fallen(own)
+            one.keep_fallen(own, execution.loose)
         self._compare(execution)
         results = results_of(job, execution)
         self._write(results, execution)
@@ -144,7 +144,7 @@ class OneRun:
         assert job.cell is not None and job.shop is not None
         end = execution.steps * job.cell.simulation.step_ns * 1e-9 if execution.interrupted else None
         stays = execution.stays if job.shop.moves_parts else None
-        return list(collisions(job, stays, end))
+        return list(collisions(job, stays, end, execution.loose))
 
     def _compare(self, execution: Execution) -> None:
         """Compare the finished part with its target, if the cell has one."""

@@ -5,7 +5,9 @@ Nothing but the part moves meanwhile; what it may hit stands as it does in the s
 
 from __future__ import annotations
 
+import tempfile
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any, Final, NamedTuple, Protocol
 
 import numpy as np
@@ -23,16 +25,25 @@ MARGIN: Final = 1e-5  # m by which the engine lets shapes stand off each other
 ROUGHNESS: Final = 0.5  # friction between falling parts and everything else
 _LEVEL: Final = 5e-3  # m by which a body may hang above its support after a fall, from the tolerances of the engine
 
+_BOX_FACES: Final = (
+    *((0, 2, 1), (1, 2, 3), (4, 5, 6), (5, 7, 6), (0, 1, 4), (1, 5, 4)),
+    *((2, 6, 3), (3, 6, 7), (0, 4, 2), (2, 4, 6), (1, 3, 5), (3, 7, 5)),
+)
+
 Skin = tuple[Array, NDArray[np.int32]]
 
 
 class Drop(NamedTuple):
-    """A part that begins to fall: its skin `body` in P, at `X_W` (4, 4) with `velocity` (3,) [m/s]."""
+    """A part that begins to fall: its skin `body` in P, at `X_W` (4, 4) with `velocity` (3,) [m/s].
+
+    `boxes` (b, 2, 3) [m] in P stand for it in the engine; None: the convex hull of its skin.
+    """
 
     body: Skin
     mass: MassOfSkin
     X_W: Array
     velocity: Array
+    boxes: Array | None = None
 
 
 class Below(NamedTuple):
@@ -61,13 +72,14 @@ def straight_down(drop: Drop, below: Below, gravity: Array, dt: float) -> Array:
 
 
 def free_fall(drop: Drop, below: Below, gravity: Array, dt: float) -> Array:
-    """As a free body in a world of its own, with the convex hull of its skin, until it lies still."""
+    """As a free body in a world of its own, until it lies still."""
     from gcodesim.world.bullet import import_pybullet
 
     p = import_pybullet()
     client = p.connect(p.DIRECT)
     try:
-        rows = _fallen(p, client, drop, below, gravity, dt)
+        with tempfile.TemporaryDirectory(prefix="gcodesim-") as scratch:
+            rows = _fallen(p, client, drop, below, gravity, dt, Path(scratch))
     finally:
         p.disconnect(client)
     X = np.tile(np.eye(4), (len(rows), 1, 1))
@@ -82,9 +94,9 @@ def free_fall(drop: Drop, below: Below, gravity: Array, dt: float) -> Array:
 
 
 def _fallen(
-    p: Any, client: int, drop: Drop, below: Below, gravity: Array, dt: float
+    p: Any, client: int, drop: Drop, below: Below, gravity: Array, dt: float, scratch: Path
 ) -> list[tuple[tuple[float, ...], tuple[float, ...]]]:
-    """Centre of mass and quaternion at the ends of the steps."""
+    """Centre of mass and quaternion at the ends of the steps; `scratch` is a folder for files."""
     p.setPhysicsEngineParameter(
         fixedTimeStep=dt, numSubSteps=4, deterministicOverlappingPairs=1, enableFileCaching=0, physicsClientId=client
     )
@@ -100,13 +112,11 @@ def _fallen(
             physicsClientId=client,
         )
         standing.append(p.createMultiBody(0.0, shape, physicsClientId=client))
-    (points, _), mass, X_W = drop.body, drop.mass, drop.X_W
-    local = points - mass.center
-    hull = p.createCollisionShape(p.GEOM_MESH, vertices=local.tolist(), physicsClientId=client)
+    mass, X_W = drop.mass, drop.X_W
     center = applied(X_W[:3, :3], mass.center) + X_W[:3, 3]
     part = p.createMultiBody(
         max(mass.mass, 1e-3),
-        hull,
+        _shape(p, client, drop, scratch),
         basePosition=center.tolist(),
         baseOrientation=quaternion_from_rotation(X_W[:3, :3]).tolist(),
         physicsClientId=client,
@@ -124,6 +134,28 @@ def _fallen(
         if calm * dt >= CALM:
             break
     return rows
+
+
+def _shape(p: Any, client: int, drop: Drop, scratch: Path) -> int:
+    """The collision shape of a part about its centre of mass."""
+    if drop.boxes is None or not len(drop.boxes):
+        local = drop.body[0] - drop.mass.center
+        return int(p.createCollisionShape(p.GEOM_MESH, vertices=local.tolist(), physicsClientId=client))
+    path = scratch / "boxes.obj"  # as arguments, the engine takes no more than 16
+    path.write_text("".join(_obj_lines(drop.boxes - drop.mass.center)), encoding="ascii")
+    return int(p.createCollisionShape(p.GEOM_MESH, fileName=str(path), physicsClientId=client))
+
+
+def _obj_lines(boxes: Array) -> list[str]:
+    """Boxes (b, 2, 3), each an object of a Wavefront file, which the engine takes as a convex body."""
+    lines = []
+    for number, box in enumerate(boxes):
+        lines.append(f"o box{number}\n")
+        corners = [(box[i & 1, 0], box[i >> 1 & 1, 1], box[i >> 2, 2]) for i in range(8)]
+        lines += [f"v {x:.9e} {y:.9e} {z:.9e}\n" for x, y, z in corners]
+        first = 8 * number + 1
+        lines += [f"f {first + a} {first + b} {first + c}\n" for a, b, c in _BOX_FACES]
+    return lines
 
 
 def fall_of(world: str) -> FallOf:

@@ -94,7 +94,9 @@ CODES: tuple[Code, ...] = (
         what="A part that is held or carried enters a link, a tool, a fixture, a stock, a device or another part, or"
         " one of these enters a part that lies, where it is at that time. Fingers or cups around the part that they"
         " hold are no finding, nor is what a part stands on or beside where it is taken and let go, as long as they"
-        " enter each other by no more than 0.5 mm." + _MOVING,
+        " enter each other by no more than 0.5 mm. In the `bullet` world a piece that came loose from a stock (GS440)"
+        " counts as a part where it lies, to one cell; what its own cutter trims of it on the next way of a diameter"
+        " is no finding." + _MOVING,
         why="The part is pushed out of the gripper, or it damages what it hits.",
         remedy="Go round it or above it. A path that is free without a part may not be so with one: a part reaches"
         " farther down than the fingers.",

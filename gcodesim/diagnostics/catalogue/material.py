@@ -167,7 +167,9 @@ CODES: tuple[Code, ...] = (
         title="A piece comes loose",
         what="A cut has parted a piece from its stock. It falls out of the stock with the step that frees it, so "
         "later moves cut air where it was; of what hung together before, the greatest piece stays. Pieces of less "
-        "than 16 columns stay too, and so do parts of prints. The line is that of the move that freed it.",
+        "than 16 columns stay too, and so do parts of prints. The line is that of the move that freed it. In the "
+        "`bullet` world the piece is a body of its own from then on, which falls onto what is below it and lies there, "
+        "seen in the log and the replay; what a tool or a link does to it there is GS309.",
         why="A piece that nothing holds is caught by the cutter, thrown, or jammed below the head.",
         remedy="Leave tabs, hold it by a vacuum or tape, or cut it free last. After a laser or a jet, which is "
         "meant to cut free, this is a note.",
