@@ -35,7 +35,10 @@ class Status(IntEnum):
 
 @frozen
 class Reason:
-    """Why a pose has its status: `what` in words, `value` against `limit` in `unit`, the joint at fault or None."""
+    """Why a pose has its status: `what` in words, `value` against `limit` in `unit`, the joint at fault or None.
+
+    Out of reach without `what`: the numbers say nothing.
+    """
 
     status: Status
     what: str

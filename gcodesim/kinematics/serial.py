@@ -92,7 +92,10 @@ class SerialArm(Machine):
         )
 
     def _out_of_reach(self, X_BF: Array) -> Reason:
-        """Distance of the flange from the first joint that it turns about, against the sum of the link lengths."""
+        """Distance of the flange from the first joint that it turns about, against the sum of the link lengths.
+
+        Within that sum it says nothing, and `what` is empty.
+        """
         tree = self.chain.tree
         on = np.flatnonzero(tree.path)
         frames = self._poses(np.zeros((1, len(tree.path))), on, np.broadcast_to(np.eye(4), (len(on), 4, 4)).copy())[0]
@@ -101,5 +104,5 @@ class SerialArm(Machine):
         limit = float(sum(norm(b - a) for a, b in pairwise(points)))
         limit += sum(float(self.joints.upper[i] - self.joints.lower[i]) for i in on if tree.prismatic[i])
         distance = norm(poses(X_BF)[0, :3, 3] - points[0])
-        what = f"flange distance from {self.joints.names[int(on[0])]}"
+        what = f"flange distance from {self.joints.names[int(on[0])]}" if distance > limit else ""
         return Reason(status=Status.REACH, what=what, value=distance, limit=limit, unit="m")

@@ -221,6 +221,8 @@ def _joints_of_tips(tool: ToolPoint, points: Array, offset: Array) -> Array:
 def _ranges(path: ToolPath, tool: ToolPoint, held: NDArray[np.bool_]) -> tuple[Array, Array]:
     """Least and greatest axis values of rows (n, 6); where the tip is commanded, those at the row's end."""
     low, high = axis_ranges(path)
+    if not held.any():
+        return low, high
     q = _joints_of_tips(tool, path.end[held], offsets(path)[held])
     for table in (low, high):
         rows = table[held]

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 
 # status of the inverse kinematics -> code
 _CODES: Final = {1: "GS202", 2: "GS203", 4: "GS205"}
+_ALL_SIDES: Final = 6  # joints with which an arm holds its tool at any angle
 _SLOW: Final = 0.5  # of the feed: below, the arm is near a singularity
 _WORTH_A_NOTE: Final = 0.99
 _BISECTIONS: Final = 30
@@ -85,9 +86,9 @@ def report_poses(
                 span=pieces.path.span(row),
                 hint=f"{part}; {shift}" if part else shift,
                 count=blocks,
-                value=reason.value,
-                limit=reason.limit,
-                unit=reason.unit,
+                value=reason.value if reason.what else None,
+                limit=reason.limit if reason.what else None,
+                unit=reason.unit if reason.what else None,
             )
         )
 
@@ -96,6 +97,10 @@ def why(kinematics: Kinematics, reason: Reason) -> str:
     """The facts behind a status in words."""
     unit, factor = ("mm", MM) if reason.unit == "m" else ("deg", DEG)
     value, limit = reason.value / factor, reason.limit / factor
+    if reason.status == 1 and not reason.what:
+        count = len(kinematics.joints.names)
+        few = f"; {count} joints do not turn it to all sides" if count < _ALL_SIDES else ""
+        return f"out of reach: no position of the joints holds the tool so at this place{few}"
     if reason.status == 1:
         side = "at most" if reason.value > reason.limit else "at least"
         return f"out of reach: {reason.what} would be {value:.1f} {unit}, {side} {limit:.1f} {unit} can be had"

@@ -103,6 +103,10 @@ def five_axes(rng: Random) -> Drawn:
     first, more = rng.choice((("A", at), ("B", at), ("B", pivot), ("A", pivot)))
     rotary = _axis(rng, first, rotary=True, more=more) + _axis(rng, "C", rotary=True, more=at)
     cell = f"gcodesim: 1\nmachine:\n  axes:\n{linear}{rotary}{TOOL}"
+    return Drawn(cell, _by_rotary_words(rng, first))
+
+
+def _by_rotary_words(rng: Random, first: str) -> str:
     state = [0.0, 0.0]
 
     def words() -> str:
@@ -112,7 +116,84 @@ def five_axes(rng: Random) -> Drawn:
         return f"{first}{state[0]:.4f} C{state[1]:.4f}"
 
     moves = _moves(rng, 25, 40, words)
-    return Drawn(cell, f"G21 G90 G94 {_mode(rng)}\nT1 M6\nG43 H1\nM428\nG0 X0 Y0 Z5 {first}0 C0\n{moves}M429\nM2\n")
+    return f"G21 G90 G94 {_mode(rng)}\nT1 M6\nG43 H1\nM428\nG0 X0 Y0 Z5 {first}0 C0\n{moves}M429\nM2\n"
+
+
+def nutating(rng: Random) -> Drawn:
+    """A table that tilts about an axis at 45 degrees and turns, or a head that does; the tip is commanded."""
+    linear = "".join(_axis(rng, letter) for letter in "XYZ")
+    slope = rng.choice(("[0, 1, 1]", "[0, 1, -1]"))
+    table = f", at: [0, 0, {rng.uniform(-150, 0):.0f} mm]"
+    head = f", side: tool, at: [0, {rng.uniform(-40, 40):.0f}, {rng.uniform(80, 200):.0f} mm]"
+    place = rng.choice((table, head))
+    rotary = _axis(rng, "B", rotary=True, more=f"{place}, direction: {slope}") + _axis(
+        rng, "C", rotary=True, more=table
+    )
+    cell = f"gcodesim: 1\nmachine:\n  axes:\n{linear}{rotary}{TOOL}"
+    return Drawn(cell, _by_rotary_words(rng, "B"))
+
+
+def inverse_time(rng: Random) -> Drawn:
+    """Four axes whose blocks have a time each (G93), many of them too short."""
+    axes = "".join(_axis(rng, letter) for letter in "XYZ") + _axis(rng, "A", rotary=True)
+    lines = [f"G21 G90 {_mode(rng)}", "G93"]
+    for x, y, z in _points(rng, 25, 60):
+        lines.append(f"G1 X{x:.4f} Y{y:.4f} Z{z:.4f} A{rng.uniform(-90, 90):.3f} F{10 ** rng.uniform(1, 4):.3f}")
+    return Drawn(f"gcodesim: 1\nmachine:\n  axes:\n{axes}{TOOL}", "\n".join([*lines, "M2\n"]))
+
+
+def _bent(rng: Random, plane: int) -> str:
+    """A circle in a plane, a helix about its axis, or a cubic or quadratic spline, relative to where the tool is."""
+    radius, turn = 10 ** rng.uniform(-0.3, 1.0), radians(rng.choice((30, 90, 200, 360)))
+    a, b, c, i, j = (("X", "Y", "Z", "I", "J"), ("Z", "X", "Y", "K", "I"), ("Y", "Z", "X", "J", "K"))[plane - 17]
+    u, v = radius * (1 - cos(turn)), radius * sin(turn)
+    if plane == 17 and rng.random() < OFTEN:
+        p, q, x, y = (rng.uniform(-8, 8) for _ in range(4))
+        spline = (
+            f"G5.1 X{x:.4f} Y{y:.4f} I{p:.4f} J{q:.4f}",
+            f"G5 X{x:.4f} Y{y:.4f} I{p:.4f} J{q:.4f} P{q:.4f} Q{p:.4f}",
+        )
+        return f"{rng.choice(spline)} {_feed(rng)}"
+    word = f"G2 {a}{u:.5f} {b}{v:.5f} {c}{rng.uniform(-1, 1):.3f} {i}{radius:.5f} {j}0"
+    return f"G{plane} {word} {_feed(rng)}"
+
+
+def bent_ways(rng: Random) -> Drawn:
+    """A mill with three axes that runs circles in all planes, helices and splines; feeds by time or by turns (G95)."""
+    axes = "".join(_axis(rng, letter) for letter in "XYZ")
+    lines = [f"G21 G91 G94 {_mode(rng)}"]
+    if rng.random() < OFTEN:
+        lines = [f"G21 G91 G95 S{rng.uniform(500, 20000):.0f} M3 {_mode(rng)}"]
+    for _ in range(20):
+        line = _bent(rng, rng.choice((17, 18, 19)))
+        lines.append(re.sub(r"F([0-9]+)", lambda f: f"F{int(f[1]) / 5000:.4f}", line) if "G95" in lines[0] else line)
+        if rng.random() < OFTEN:
+            lines.append(f"G17 G1 X{rng.uniform(-9, 9):.3f} Y{rng.uniform(-9, 9):.3f} Z{rng.uniform(-3, 3):.3f}")
+    return Drawn(f"gcodesim: 1\nmachine:\n  axes:\n{axes}{TOOL}", "\n".join([*lines, "M5", "M2\n"]))
+
+
+def turning(rng: Random) -> Drawn:
+    """A lathe: feeds per turn at a constant cutting speed, arcs, threads, and its turret's rest as machine zero."""
+    nose = rng.choice(("", ", nose: [-150, -600 mm]"))
+    slides = ", ".join(f"{letter}: {{acceleration: {rng.uniform(1, 6):.2f} m/s^2}}" for letter in "XZ")
+    cell = (
+        f"gcodesim: 1\nmachine: {{model: lathe_xz{nose}, axes: {{{slides}}}}}\n"
+        "stock: {cylinder: [60, 120], xyz: [0, 0, -120]}\ntools: {1: {type: turning_tool}}\n"
+    )
+    speed, most = rng.uniform(30, 400), rng.uniform(500, 5000)
+    lines = [f"G21 G18 G7 G90 {_mode(rng)}", "T1 M6 G43", f"G96 S{speed:.0f} D{most:.0f} M3", "G95"]
+    for _ in range(6):
+        x, z, feed = rng.uniform(0, 60), rng.uniform(-80, 0), 10 ** rng.uniform(-2, 0.3)
+        lines += ["G0 X64 Z2", f"X{x:.3f}", f"G1 Z{z:.3f} F{feed:.4f}", f"G2 X{x + 4:.3f} Z{z - 2:.3f} R2"]
+        lines += [f"G1 X{rng.uniform(x + 4, 64):.3f}", "G0 X66"]
+    lines += [
+        f"G97 S{rng.uniform(100, 1500):.0f}",
+        "G0 X58 Z4",
+        f"G33 Z-40 K{rng.uniform(0.5, 4):.3f}",
+        "G0 X70",
+        "G28",
+    ]
+    return Drawn(cell, "\n".join([*lines, "M5", "M2\n"]))
 
 
 def five_axes_by_vectors(rng: Random) -> Drawn:
@@ -311,12 +392,18 @@ def with_jerk(drawn: Drawn, rng: Random) -> Drawn:
 
     cell = re.sub(r"acceleration: ([0-9.]+) ((?:mm|deg|m)/s)\^2", of_axis, drawn.cell)
     joints = ", ".join(f"{900.0 / 10 ** rng.uniform(-2.0, -0.5):.0f}" for _ in range(6))
-    return Drawn(re.sub(r"(model: \w+)(?=[,}])", rf"\1, jerk: [{joints} deg/s^3]", cell), drawn.program, drawn.others)
+    return Drawn(
+        re.sub(r"(model: (?!lathe)\w+)(?=[,}])", rf"\1, jerk: [{joints} deg/s^3]", cell), drawn.program, drawn.others
+    )
 
 
 KINDS: dict[str, Callable[[Random], Drawn]] = {
     "mill": mill,
+    "mill with times": inverse_time,
+    "mill along bent ways": bent_ways,
+    "lathe": turning,
     "five axes": five_axes,
+    "five axes, nutating": nutating,
     "five axes by vectors": five_axes_by_vectors,
     "arm": arm,
     "arm that pushes": arm_that_pushes,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from functools import cache
 from math import pi
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,8 +13,10 @@ from gcodesim.canon import Axes, Dwell, Event, LinearFeed, PathMode, Rapid, Tool
 from gcodesim.diagnostics import Diagnostic, Span
 from gcodesim.frames import Pose, rotation_about
 from gcodesim.kinematics import Kinematics, kinematics_of, load_urdf, model_path
+from gcodesim.kinematics.protocol import Status
 from gcodesim.motion import build_tool_path
 from gcodesim.planning import FixedAttitude, Plan, plan_path
+from gcodesim.planning.reach import why
 
 HOME = np.radians([0.0, -90.0, 90.0, 0.0, 90.0, 0.0])
 ZERO: Axes = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
@@ -303,3 +306,21 @@ def test_rows_and_rests_make_up_the_time(joint_rapids: bool) -> None:
 
     trajectory = plan.trajectory
     assert trajectory.row_time.sum() + 0.5 == pytest.approx(trajectory.duration)
+
+
+def test_an_arm_of_five_joints_is_told_to_be_one(tmp_path: Path) -> None:
+    """The KR 10 with its last joint fixed: near poses are no question of distance, far ones are."""
+    text = model_path("kuka_kr10_r1100_2").read_text()
+    (tmp_path / "five.urdf").write_text(text.replace('name="joint_6" type="revolute"', 'name="joint_6" type="fixed"'))
+    chain, _ = load_urdf(tmp_path / "five.urdf")
+    assert chain is not None
+    five = kinematics_of(chain)
+    X = arm().forward(np.append(HOME[:5], 0.7)[None])[0]
+    far = X.copy()
+    far[0, 3] = 3.0
+
+    near = five.reason(X, HOME[:5], Status.REACH)
+
+    assert why(five, near).endswith("holds the tool so at this place; 5 joints do not turn it to all sides")
+    assert "flange distance from joint_1 would be 3" in why(five, five.reason(far, HOME[:5], Status.REACH))
+    assert five.inverse(five.forward(HOME[:5][None]), HOME[:5])[1][0] == Status.OK
