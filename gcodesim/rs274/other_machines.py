@@ -9,7 +9,7 @@ from gcodesim.diagnostics import SourceText
 from gcodesim.frozen import frozen
 from gcodesim.rs274.dialects import Lathe
 
-ForeignKind = Literal["printer", "Klartext", "Sinumerik", "script", "lathe"]
+ForeignKind = Literal["printer", "Klartext", "Okuma", "Sinumerik", "script", "lathe"]
 
 _HEAD: Final = 120_000  # bytes that are searched: posts and people say at the beginning what a program is for
 _NOTES = re.compile(rb"\([^)\r\n]*\)?|;[^\r\n]*")
@@ -22,6 +22,13 @@ _KLARTEXT = re.compile(
 _SINUMERIK = re.compile(
     rb"(?:^|(?<=[ \t]))(CYCLE[0-9]+[ \t]*\(|POCKET[0-9][ \t]*\(|WORKPIECE[ \t]*\(|[TD][ \t]?=|[XYZ][ \t]?=[ \t]?[A-Z(]"
     rb"|R[0-9]+[ \t]?=)",
+    re.MULTILINE,
+)
+# returns and calls, work systems by G15 H1, common and system variables, jumps to names, home positions of OSP
+_OKUMA = re.compile(
+    rb"(?:^|(?<=[ \t]))(RTS(?![A-Z0-9])|(?:CALL|MODIN)[ \t]+O[A-Z0-9]+|MODOUT(?![A-Z0-9])"
+    rb"|G1[56][ \t]*H[ \t]*=?[ \t]*[0-9]+|V(?:C[0-9]+|[A-Z]{3,5})(?:[ \t]*\[[A-Z0-9]+\])?[ \t]*="
+    rb"|HP[ \t]*=|IF[ \t]*\[[^\[\]\r\n]*\][ \t]*N[A-Z0-9]+)",
     re.MULTILINE,
 )
 _SCRIPT = re.compile(
@@ -47,13 +54,15 @@ class Foreign:
 
 
 def foreign_of(source: SourceText) -> Foreign | None:
-    """The kind of control that there is no dialect for: a 3D printer's, Heidenhain's, Siemens', a script's."""
+    """The kind of control that there is no dialect for: a 3D printer's, Heidenhain's, Okuma's, Siemens', a script's."""
     head = source.raw[:_HEAD].upper()
     if match := _KLARTEXT.search(head):
         return _found("Klartext", match, head)
     if match := _SCRIPT.search(head):
         return _found("script", match, head)
     words = _without_notes(head)
+    if match := _OKUMA.search(words):  # it has `T=` and `Z=` as well
+        return _found("Okuma", match, words)
     if match := _SINUMERIK.search(words):
         return _found("Sinumerik", match, words)
     heaters = {match[1] for match in _HEATER.finditer(words)}

@@ -127,7 +127,9 @@ class Survey:
 def _why_no_cell(foreign: Foreign) -> str:
     """For which other control a program is, by which word, and what follows."""
     place = f"(`{foreign.word}`, line {foreign.line})"
-    unread = {"Klartext": "Heidenhain's Klartext", "Sinumerik": "a Sinumerik"}.get(foreign.kind)
+    unread = {"Klartext": "Heidenhain's Klartext", "Okuma": "an Okuma OSP", "Sinumerik": "a Sinumerik"}.get(
+        foreign.kind
+    )
     if unread is not None:
         return f"{unread} {place}; no dialect of gcodesim reads it"
     if foreign.kind == "script":

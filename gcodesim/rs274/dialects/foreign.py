@@ -13,6 +13,10 @@ FOREIGN: Final = {
         "this is Heidenhain's Klartext (`{word}`): no dialect here reads it",
         "let the post write DIN/ISO blocks, for a Fanuc control as an example",
     ),
+    "Okuma": (
+        "this is a program for an Okuma OSP (`{word}`): no dialect here reads it",
+        "let the post write plain blocks, for a Fanuc control as an example",
+    ),
     "Sinumerik": (
         "this is a program for a Sinumerik (`{word}`): no dialect here reads it",
         "let the post write plain blocks, for a Fanuc control as an example",
