@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from gcodesim.cell.loader import read_cell
-from gcodesim.diagnostics import SourceText
+from gcodesim.diagnostics import Severity, SourceText
 from gcodesim.regress.surfaces import compare_stocks
 from gcodesim.simulation import Job, Options, prepare
 from gcodesim.units import MM
@@ -222,3 +222,14 @@ def test_a_free_table_turns_the_work_to_the_arm() -> None:
     assert not [f.message for f in job.findings if f.code in ("GS202", "GS203", "GS205", "GS216")]
     q = within_limits(job)
     assert np.ptp(q[:, -1]) > np.radians(60.0)
+
+
+@pytest.mark.parametrize(("length", "told"), [(700, []), (1300, [("GS305", 5), ("GS305", 11)])])
+def test_the_body_of_a_vehicle_goes_with_it_and_hits_what_it_drives_into(length: int, told: list[object]) -> None:
+    """A bench whose edge is 450 mm before the vehicle's middle; a hull of 700 mm stops before it, one of 1300 not."""
+    top = Path(__file__).parents[2]
+    cell = (top / "cells" / "agv.yaml").read_text().replace("[700, 500, 250]", f"[{length}, 500, 250]")
+    job = planned((top / "programs" / "agv.nc").read_text(), cell)
+
+    assert [(f.code, f.span.line) for f in job.findings if f.level > Severity.NOTE] == told
+    assert all(f.message.startswith("hull hits bench_") for f in job.findings if f.code == "GS305")
