@@ -124,7 +124,12 @@ class FanucLatheExecutor(FanucExecutor):
         made = Block(
             block.line, block.text, [Word(*word) for word in words], _places=[_place(block, w, first) for w in words]
         )
-        super()._words_of(made, index)
+        out = self.control.out
+        before, out[:] = list(out), []  # a block of its own: what the compensation holds back comes after what is out
+        try:
+            super()._words_of(made, index)
+        finally:
+            out[:0] = before
 
     def move(self, block: Block, index: int, rapid: bool, z: float, x: float, feed: float | None = None) -> None:
         words = [("g", 0.0 if rapid else 1.0), ("x", x), ("z", z)]

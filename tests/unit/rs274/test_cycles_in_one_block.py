@@ -66,6 +66,20 @@ def test_finishing_with_compensation_is_no_rapid_at_the_contour_of_a_mill(progra
     assert [f.code for f in done.findings] == []
 
 
+def test_finishing_with_compensation_goes_along_the_contour(program) -> None:
+    """As the same blocks do outside a cycle; they came in the opposite order."""
+    contour = "N10 G00 G42 X10. Z1.\nG1 Z-10. F0.1\nX20. Z-15.\nN20 G40 G0 X34.\n"
+    head = "O1\nG21 G18 G40 G99\nT0101\nG97 S500 M3\nG0 X34. Z2.\n"
+    ways = []
+    for text in (head + contour, head + "G70 P10 Q20\nM30\n" + contour):
+        done = program(text + "M30", dialect="fanuc_lathe", tool_table=NOSE)
+        ends = [event["end"][::2] for event in done.acts("line")]
+        ways.append([end[:2] for end in ends])
+
+    assert ways[0] == ways[1]
+    assert ways[1][0][0] == pytest.approx(5.0)
+
+
 def test_the_nose_is_that_of_the_offset_of_the_tool(program) -> None:
     """Behind a cylinder of D10 a cone of 45 degrees begins: the tip of a nose R is R (1 - tan 22.5) ahead there."""
     head = "O1\nG21 G18 G40 G99\nT0101\nG97 S500 M3\nG0 X34. Z2.\n"
