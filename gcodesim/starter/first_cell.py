@@ -321,7 +321,7 @@ class FirstCell:
         for x, y, z in reach.early.tolist():
             if low[0] < x < high[0] and low[1] < y < high[1]:
                 high[2] = min(high[2], z)
-        return (low, high) if high[2] - low[2] > 1e-6 else None
+        return (low, high) if all(b - a > 1e-6 for a, b in zip(low, high, strict=True)) else None
 
     def stock(self) -> list[str]:
         boxes = self.boxes

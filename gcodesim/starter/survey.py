@@ -12,7 +12,7 @@ from typing import Final
 import numpy as np
 
 from gcodesim import canon
-from gcodesim.arithmetic.elementary import cos, sin
+from gcodesim.arithmetic.elementary import atan2, cos, sin
 from gcodesim.arithmetic.matrices import dot, norms
 from gcodesim.canon.batch import MoveBatch
 from gcodesim.diagnostics import Diagnostic, Severity, SourceText
@@ -389,7 +389,7 @@ def _place(point: tuple[float, ...]) -> tuple[int, int]:
 def _points(
     arc: canon.ArcFeed, start: tuple[float, ...], end: tuple[float, ...], offset: tuple[float, ...]
 ) -> Iterator[tuple[float, ...]]:
-    """Points along an arc, its end last [m]."""
+    """Points along an arc, its end last, and between them those that reach farthest along each axis [m]."""
     normal = np.array(arc.normal)
     begin = np.array(start)
     lift = dot(normal, np.array(end) - begin)
@@ -397,9 +397,14 @@ def _points(
     center = center + normal * dot(normal, begin - center)
     spoke = begin - center
     across = np.cross(normal, spoke)
-    for k in range(1, _PIECES):
-        angle = arc.sweep * k / _PIECES
-        point = center + spoke * cos(angle) + across * sin(angle) + normal * (lift * k / _PIECES)
+    share = {k / _PIECES for k in range(1, _PIECES)}
+    for ahead, aside in zip(spoke.tolist(), across.tolist(), strict=True):
+        first = atan2(aside, ahead) / math.pi  # half turns to an extreme of this axis, and to each one after it
+        low, high = sorted((0.0, max(-2.0, min(2.0, arc.sweep / math.pi))))  # further turns reach no farther
+        share |= {(first + n) * math.pi / arc.sweep for n in range(math.ceil(low - first), math.ceil(high - first))}
+    for part in sorted(part for part in share if 0.0 < part < 1.0):
+        angle = arc.sweep * part
+        point = center + spoke * cos(angle) + across * sin(angle) + normal * (lift * part)
         yield tuple(point.tolist())
     yield end
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 import numpy as np
@@ -111,3 +112,22 @@ def test_nothing_is_said_of_what_follows_an_error() -> None:
     text = cell_for(SourceText("part.nc", program)).decode()
     assert "nothing behind that line is known" in text
     assert "GS501" not in text and "loaded_tool" not in text
+
+
+def test_a_program_whose_cut_has_no_width_has_no_stock() -> None:
+    square = "G1 X1000\nG1 Y1000\nG1 X0\nG1 Y0\nG91 G1 Z10\nG90 "
+    cell = cell_for(SourceText("square.nc", f"G21 G90\nM3 S1000\nG0 X0 Y0 Z0\nF10000 {square * 4}\n".encode()))
+
+    assert codes_of(cell) == [] and b"\nstock:" not in cell
+
+
+@pytest.mark.parametrize("word", ["G2", "G3"])
+def test_travel_holds_arcs_where_they_reach_farthest(word: str) -> None:
+    """The zero is the program's own, so that travel is no wider than what it asks for: 99.65 mm and the radius."""
+    turned = math.radians(7.0)  # so that none of the points in place of the arc is an extreme
+    x, y = 20.4 * math.cos(turned), 20.4 * math.sin(turned)
+    program = f"G21 G90 G10 L2 P1 X-99.65 Y0 Z0\nG0 X{x} Y{y} Z1\n{word} X{x} Y{y} I{-x} J{-y} F600\nM2\n"
+    text = cell_for(SourceText("round.nc", program.encode())).decode()
+
+    assert codes_of(text.encode()) == []
+    assert float(text.split("X: {travel: [")[1].split(",")[0]) <= -99.65 - 20.4
