@@ -14,7 +14,7 @@ from gcodesim.frames import Array
 from gcodesim.frozen import frozen
 
 if TYPE_CHECKING:
-    from gcodesim.motion.trajectory import Samples
+    from gcodesim.motion.trajectory import Rates, Samples
     from gcodesim.planning import Plan
 
 Ints = NDArray[np.int64]
@@ -152,11 +152,16 @@ def window_of(plan: Plan, rows: RowColumns, ticks: Ints, dt_ns: int, carry: Carr
     dt: Array = np.diff(ticks) * (dt_ns * 1e-9)
     trajectory = plan.trajectory
     last = len(rows.tool) - 1
-    samples = trajectory.sample(times[1:])
-    middle_time: Array = 0.5 * (times[:-1] + times[1:])
-    middle = trajectory.sample(middle_time)
+    middle = trajectory.rates(0.5 * (times[:-1] + times[1:]))
     row = np.clip(middle.row, 0, last)
     tool = rows.tool[row]
+
+    # each step by its own speed: no number may depend on where windows begin and end
+    speed = np.where(rows.rapid[row], 0.0, np.abs(middle.speed))
+    parts = np.clip(np.ceil(speed * dt / LONGEST_CHORD), 1, MOST_PARTS).astype(np.int64)
+    knot_time = distinct(np.concatenate([_refined(times, parts), trajectory.boundaries(times[0], times[-1])]))
+    at_knots = trajectory.sample(knot_time)
+    samples = at_knots.at(np.searchsorted(knot_time, times[1:]))
     q = plan.joints(samples)
     tip = plan.tip(q, row)
 
@@ -169,11 +174,6 @@ def window_of(plan: Plan, rows: RowColumns, ticks: Ints, dt_ns: int, carry: Carr
     tip_before = np.concatenate([carry.tip[None], tip[:-1]])
     tip_before[changed] = tip[changed]
 
-    # each step by its own speed: no number may depend on where windows begin and end
-    speed = np.where(rows.rapid[row], 0.0, np.abs(middle.speed))
-    parts = np.clip(np.ceil(speed * dt / LONGEST_CHORD), 1, MOST_PARTS).astype(np.int64)
-    knot_time = distinct(np.concatenate([_refined(times, parts), trajectory.boundaries(times[0], times[-1])]))
-    at_knots = trajectory.sample(knot_time)
     knots, knot_shift = at_knots.position[:, :3], rows.shift[_named_by(at_knots, last)]
     centre = 0.5 * (knot_time[:-1] + knot_time[1:])
     step = np.clip(np.searchsorted(times, centre, side="right") - 1, 0, count - 1)
@@ -204,7 +204,7 @@ def window_of(plan: Plan, rows: RowColumns, ticks: Ints, dt_ns: int, carry: Carr
     return window
 
 
-def _named_by(samples: Samples, last: int) -> Ints:
+def _named_by(samples: Samples | Rates, last: int) -> Ints:
     """The rows (n,) in whose coordinates samples are: while the machine waits for a row, the one before."""
     rows: Ints = np.clip(samples.row - (samples.event >= 0), 0, last)
     return rows

@@ -45,7 +45,11 @@ class Inspector:
     def __init__(
         self, plan: Plan, shop: Shop, dt_ns: int, *, freely: bool = False, bodies: StockWatch | None = None
     ) -> None:
-        """`bodies` knows how near the machine has come to stocks; `freely`: parts are free in the world."""
+        """`bodies` knows how near the machine has come to stocks; `freely`: parts are free in the world.
+
+        What `fresh` finds may be left out until `watched` is set: somebody looks at findings before the end.
+        """
+        self.watched = False
         self._shop, self._dt, self._bodies = shop, dt_ns * 1e-9, bodies
         self._known: set[tuple[str, Span]] = set()
         self._loads = loads_of(shop.cell.limits)
@@ -96,7 +100,7 @@ class Inspector:
 
     def fresh(self, record: StepRecord, totals: RowTotals, joints: JointTotals) -> list[Diagnostic]:
         """Findings that came up in the steps of `record`."""
-        found = self._misuse(totals) if self._tells(record) else []
+        found = self._misuse(totals) if self.watched and self._tells(record) else []
         found += self._grips_of(record)
         called = self._calls.of(record)
         self._called += called
@@ -105,9 +109,9 @@ class Inspector:
         self._freed += freed
         found += freed
         found += [] if self._bodies is None else self._bodies.fresh()
-        if record.world.saturated.any():
+        if self.watched and record.world.saturated.any():
             found += self._saturation(joints)
-        if self._above_limits(record):
+        if self._above_limits(record) and self.watched:
             found += self._limits(totals)
         fresh = [finding for finding in found if (finding.code, finding.span) not in self._known]
         self._known |= {(finding.code, finding.span) for finding in fresh}

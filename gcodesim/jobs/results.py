@@ -350,25 +350,33 @@ class LineRows:
         """A text with a head; numbers have six digits."""
         known = ("file", "line", "time_s", "distance_mm", "feed_mm_min", "removed_mm3", "max_force_N")
         own = ("channel",) if self.channels else ()
-        head = ",".join((*known, *self.more, *own)) + "\n"
+        head = ",".join((*known, *self.more, *own))
         names = [_quoted(table_text(name)) for name in self.files]
         columns = (_six_digits(column) for column in self.numbers.T)
         more = ([_quoted(table_text(name)) for name in self.channels],) if self.channels else ()
         rows = zip((names[i] for i in self.file.tolist()), map(str, self.line.tolist()), *columns, *more, strict=True)
-        return head + "".join([",".join(row) + "\n" for row in rows])
+        return "\n".join([head, *map(",".join, rows), ""])
 
 
 def _quoted(text: str) -> str:
     return '"' + text.replace('"', '""') + '"' if any(c in text for c in ',"\n\r') else text
 
 
+_LEAST_PLAIN: Final = 1.01e-4
+_MOST_PLAIN: Final = 0.99e6
+"""Between these sizes six significant digits are written without a power of ten, by "%g" and in JSON alike."""
+
+
 def _six_digits(values: Array) -> list[str]:
     """Numbers (m,) as text with six significant digits, written as in JSON."""
+    if not values.any():
+        return ["0"] * len(values)
     given = (values + 0.0).tolist()  # + 0.0 turns -0.0 into 0.0
     texts = ("%.6g " * len(given) % tuple(given)).split()
-    for i, text in enumerate(texts):
-        if "e" in text or "n" in text:  # with a power of ten, or none at all
-            texts[i] = str(clean(rounded(given[i], 6)))
+    size = np.abs(values)
+    plain = (values == 0.0) | ((size > _LEAST_PLAIN) & (size < _MOST_PLAIN))
+    for i in np.flatnonzero(~plain).tolist():  # with a power of ten, or no number
+        texts[i] = str(clean(rounded(given[i], 6)))
     return texts
 
 

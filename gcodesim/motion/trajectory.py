@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import fields
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -88,6 +89,18 @@ class Samples:
 
     def __len__(self) -> int:
         return len(self.time)
+
+    def at(self, which: NDArray[np.int64]) -> Samples:
+        """Those with the numbers `which` (k,)."""
+        return Samples(**{column.name: getattr(self, column.name)[which] for column in fields(Samples)})
+
+
+class Rates(NamedTuple):
+    """What is known of a trajectory at n times without its places: see `Samples`."""
+
+    row: NDArray[np.int64]
+    event: NDArray[np.int64]
+    speed: Array
 
 
 @frozen(slots=False, kw_only=False, eq=False)
@@ -192,6 +205,18 @@ class Trajectory:
             return np.zeros(len(t), dtype=np.int64)
         return self._rows_at(t, self.phases.event[self._phases_at(t)])
 
+    def rates(self, t: Array) -> Rates:
+        """Row, event and speed of `sample(t)`, to the same bits, without the places."""
+        if not len(self.phases.time):
+            none = np.zeros(len(t), dtype=np.int64)
+            return Rates(row=none, event=none - 1, speed=np.zeros(len(t)))
+        p, phase = self.phases, self._phases_at(t)
+        tau = np.minimum(np.maximum(t - p.time[phase], 0.0), p.duration[phase])
+        speed = np.maximum(p.speed[phase] + p.acceleration[phase] * tau + 0.5 * p.jerk[phase] * tau * tau, 0.0)
+        speed[(t < 0.0) | (t > self.duration)] = 0.0
+        event = p.event[phase]
+        return Rates(row=self._rows_at(t, event), event=event, speed=speed)
+
     def _phases_at(self, t: Array) -> NDArray[np.int64]:
         """The phases that last at times `t` (n,)."""
         time = self.phases.time
@@ -203,9 +228,12 @@ class Trajectory:
         last = max(len(self.row_end) - 1, 0)
         row = np.minimum(np.searchsorted(self.row_end, t, side="right"), last)
         if self.events and (event >= 0).any():
-            event_row = np.array([e.row for e in self.events])
-            row = np.where(event >= 0, np.minimum(event_row[event], last), row)
+            row = np.where(event >= 0, np.minimum(self._event_rows[event], last), row)
         return row.astype(np.int64)
+
+    @cached_property
+    def _event_rows(self) -> NDArray[np.int64]:
+        return np.array([event.row for event in self.events], dtype=np.int64)
 
     def boundaries(self, t0: float, t1: float) -> Array:
         """Times strictly between `t0` and `t1` at which a piece ends or a rest begins or ends."""

@@ -32,25 +32,35 @@ _LEFT_TAPS: Final = frozenset(("G74",))
 
 def cutter_findings(rows: Rows) -> list[Diagnostic]:
     """GS401 to GS405, GS407, GS409, GS501 and GS502, from the columns that `Milling` writes."""
-    least = rows["rapid_bound"] + _least(rows)
-    grazed = rows["rapid_bound"] + _least(rows, rows["rapid_depth"])
     # on its way out of a hole: the tool has been down there already
-    rapid_cut = np.where(rows.retreat, 0.0, rows["rapid_cut"])
-    stopped = np.where(rows.retreat | rows.with_word(_PROBES) | _never_turns(rows), 0.0, rows["stopped_cut"])
-    backwards = np.where(rows.retreat | rows.with_word(_LEFT_TAPS), 0.0, rows["reversed_cut"])
+    rapid_cut = _but(rows["rapid_cut"], rows.retreat)
+    stopped = _but(rows["stopped_cut"], rows.retreat | rows.with_word(_PROBES) | _never_turns(rows))
+    backwards = _but(rows["reversed_cut"], rows.retreat | rows.with_word(_LEFT_TAPS))
     shank, holder, inside = rows["shank_depth"], rows["holder_depth"], rows["inside"]
-    fault = (shank > 0.0) | (holder > 0.0) | (stopped > 0.0) | (backwards > 0.0)
-    away = rows.rapid & ~fault & (rapid_cut <= grazed) & (inside <= 0.0)
-    found = [
-        *_rapids(rows, rapid_cut, grazed),
-        *_inside(rows, inside),
-        *_in_stock(rows, "shank", shank, away),
-        *_in_stock(rows, "holder", holder, away),
-        *_spindle(rows, "GS501", stopped, least),
-        *_spindle(rows, "GS502", backwards, least),
-        *_sideways(rows),
-    ]
+    found: list[Diagnostic] = []
+    # this is asked of the whole program again and again, and most of these columns are empty
+    deep = shank.any() or holder.any()
+    if deep or rapid_cut.any():
+        grazed = rows["rapid_bound"] + _least(rows, rows["rapid_depth"])
+        found += _rapids(rows, rapid_cut, grazed)
+    if inside.any():
+        found += _inside(rows, inside)
+    if deep:
+        fault = (shank > 0.0) | (holder > 0.0) | (stopped > 0.0) | (backwards > 0.0)
+        away = rows.rapid & ~fault & (rapid_cut <= grazed) & (inside <= 0.0)
+        found += _in_stock(rows, "shank", shank, away)
+        found += _in_stock(rows, "holder", holder, away)
+    for code, taken in {"GS501": stopped, "GS502": backwards}.items():
+        if taken.any():
+            found += _spindle(rows, code, taken)
+    if rows["sideways_cut"].any():
+        found += _sideways(rows)
     return [*_folded(found), *_blind(rows)]
+
+
+def _but(column: Array, never: Flags) -> Array:
+    """A column (n,), zero in the rows that `never` count."""
+    return np.where(never, 0.0, column) if column.any() else column
 
 
 def _least(rows: Rows, depth: Array | None = None) -> Array:
@@ -163,8 +173,9 @@ _TURNS: Final = {
 }
 
 
-def _spindle(rows: Rows, code: str, volume: Array, least: Array) -> Iterator[Diagnostic]:
+def _spindle(rows: Rows, code: str, volume: Array) -> Iterator[Diagnostic]:
     how, hint = _TURNS[code]
+    least = rows["rapid_bound"] + _least(rows)
     never = np.zeros(len(rows), dtype=np.bool_)  # one cause, until tool or spindle change
     for event in rows.events(volume > 0.0, never):
         taken = float(volume[event].sum()) / MM3

@@ -41,6 +41,7 @@ class ChannelRun:
     def track_plan(self, watcher: Watcher | None) -> TrackPlan:
         """What the executor needs of this channel."""
         assert self.job.plan is not None
+        self.inspector.watched = watcher is not None
         return TrackPlan(
             plan=self.job.plan,
             shop=self.shop,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import fields, replace
 from math import pi
 
 import numpy as np
@@ -256,3 +257,26 @@ def test_many_short_blocks() -> None:
     assert growth(timed, 25_000, 8, 24) < 24  # 64 where each block looks at all others
     assert trajectory.row_time.sum() == pytest.approx(trajectory.duration)
     assert trajectory.row_time.min() > 0.0
+
+
+@pytest.mark.parametrize("jerk", [False, True])
+def test_rates_are_those_of_the_samples_to_the_bit(jerk: bool) -> None:
+    for seed in range(8):
+        trajectory = run(*random_program(seed))
+        rng = np.random.default_rng(seed)
+        if jerk:
+            drawn = rng.normal(size=len(trajectory.phases.time)) * 10.0 ** rng.uniform(-2, 4)
+            trajectory = replace(trajectory, phases=replace(trajectory.phases, jerk=drawn))
+        times = np.sort(np.concatenate([rng.uniform(-1.0, trajectory.duration + 1.0, 3000), trajectory.phases.time]))
+        samples, rates = trajectory.sample(times), trajectory.rates(times)
+        for name in rates._fields:
+            assert getattr(rates, name).tobytes() == getattr(samples, name).tobytes(), name
+        which = np.sort(rng.integers(0, len(times), 50))
+        some, picked = trajectory.sample(times[which]), samples.at(which)
+        for column in fields(some):
+            assert getattr(some, column.name).tobytes() == getattr(picked, column.name).tobytes(), column.name
+
+
+def test_a_path_without_moves_has_rates() -> None:
+    samples, rates = run().sample(np.zeros(2)), run().rates(np.zeros(2))
+    assert all((getattr(rates, name) == getattr(samples, name)).all() for name in rates._fields)
