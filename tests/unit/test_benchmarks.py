@@ -7,6 +7,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 ROOT = Path(__file__).parents[2]
@@ -67,6 +68,17 @@ def test_projects_of_scripts_take_the_program_beside_them(tmp_path, capsys):
 
     assert [program.name for _, program in camotics.projects(tmp_path)] == ["c.nc", "wave.gcode"]
     assert capsys.readouterr().out.split() == ["box", "left", "out:", "box.tpl"]
+
+
+def test_volume_of_a_surface_that_camsim_wrote(tmp_path):
+    camotics = importlib.import_module("benchmarks.camotics")
+    corners = np.array([[0, 0, 0], [3, 0, 0], [0, 4, 0], [0, 0, 5]], dtype="<f4") + np.array([10, 20, 30], dtype="<f4")
+    faces = np.zeros(4, [("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
+    faces["corners"] = corners[[[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]]
+    surface = tmp_path / "surface.stl"
+    surface.write_bytes(bytes(80) + np.uint32(4).tobytes() + faces.tobytes())
+
+    assert camotics.volume(surface) == pytest.approx(10.0)
 
 
 def test_stages_add_up_to_a_whole_run(tmp_path):
