@@ -33,6 +33,7 @@ from gcodesim.material.query_kernels import (
     difference,
     fill_slices,
     occupancy,
+    surface_at,
     volume_of,
 )
 from gcodesim.material.removal_kernels import (
@@ -79,6 +80,7 @@ __all__ = [
     "ring_at",
     "scratch",
     "share_between",
+    "surface_at",
     "swept_outline",
     "take_ring",
     "tighten_tops",

@@ -53,6 +53,23 @@ def occupancy_of(columns: Columns, grid: Grid, x: float, y: float, z0: float, z1
     return total / (z1 - z0)
 
 
+@kernel(lean=True)
+def surface_at(field: Field, x: float, y: float) -> float:
+    """Height [m] of the top at (x, y): bilinear between four column centres; -inf if any of these is empty."""
+    (_, hi, count), (i, j, wx, wy) = field.columns, surrounding(field.grid, x, y)
+    nx, ny = count.shape
+    if i < 0 or j < 0 or i + 1 >= nx or j + 1 >= ny:
+        return -np.inf
+    height = 0.0
+    for di in range(2):
+        for dj in range(2):
+            last = count[i + di, j + dj] - 1
+            if last < 0:
+                return -np.inf
+            height += (wx if di == 1 else 1.0 - wx) * (wy if dj == 1 else 1.0 - wy) * hi[i + di, j + dj, last]
+    return float(height)
+
+
 @kernel(lean=True, inlined=True)
 def fill_slices(field: Field, x: float, y: float, z0: float, dz: float, out: Array) -> float:
     """`occupancy` of slices of height dz [m] above each other, the first from z0, into `out`; their sum."""

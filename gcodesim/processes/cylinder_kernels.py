@@ -38,7 +38,17 @@ from gcodesim.processes.edge_kernels import (
     probe,
     turned,
 )
-from gcodesim.processes.engagement_kernels import NOWHERE, Ring, Room, lay_places, part_of, places_at
+from gcodesim.processes.engagement_kernels import (
+    NOWHERE,
+    Ring,
+    Room,
+    lay_places,
+    leaning,
+    leans_of,
+    least_leaning,
+    part_of,
+    places_at,
+)
 from gcodesim.processes.limit_kernels import (
     FULL,
     NO_LIMIT,
@@ -103,6 +113,10 @@ def sample_cylinder(
     ring, places = Ring(radius, widest + ahead, ahead, max(radius - aside, 0.0), 0.0), places_at(room, 0, HALF)
     columns = to_columns(field, tip, ux, uy)
     lay_places(part_of(circle, 0, HALF), ring, heading, columns, places)
+    if climb > 0.0:
+        leans_of(field, circle, tip, heading, clearance, ring, room.leans)
+        for k in range(HALF):
+            places.ups[k] *= room.leans[k]
     ask_places(columns, places, bottom, bottom + number * height, share[:HALF])
     measure[:], most[:] = 0.0, 0.0
     whole = 0
@@ -120,7 +134,10 @@ def sample_cylinder(
         else:
             px, py, way = probe(radius, widest, sine, cosine, ahead, aside, level)
             x, y = tip[0] + ux * px - uy * py, tip[1] + uy * px + ux * py
-            share[k] = fill_slices(field, x, y, bottom + climb * way, height, line[:number]) / number
+            share[k] = fill_slices(
+                field, x, y, bottom + leaning(heading, room.leans, k).climb * way, height, line[:number]
+            )
+            share[k] /= number
             for i in range(number):
                 weights[first + i, k] = line[i]
                 measure[i] += line[i]
@@ -225,13 +242,14 @@ def limit_between(
     """
     _, ahead, aside = clearance
     first, last, after = ramp
+    own = leaning(heading, room.leans, after - 1)
     middle_share, rises = 0.5 * (share[first] + share[last]), share[after] > share[after - 1]
     least, most, low, high = 0.0, 1.0, share[after - 1], share[after]
     for _ in range(TURNS):
         middle = 0.5 * (least + most)
         sine, cosine = turned(circle.sines[after - 1], circle.cosines[after - 1], middle * (2.0 * np.pi / ANGLES))
         px, py, way = probe(cylinder.radius, cylinder.widest, sine, cosine, ahead, aside, heading.level)
-        spot = spot_at(tip, heading, span, px, py, way)
+        spot = spot_at(tip, own, span, px, py, way)
         wall = limit_at(field, tip, heading, clearance, cylinder.radius, spot, room.load)
         if wall.angle != NO_LIMIT:
             return wall.angle, True
@@ -252,7 +270,8 @@ def seams_of_layer(
 
     share (HALF,) is that of the layer.
     """
-    seam, done, free = sides_of_layer(field, circle, tip, heading, clearance, room, cylinder, layer, share, seam)
+    beside = least_leaning(heading, room.leans)
+    seam, done, free = sides_of_layer(field, circle, tip, beside, clearance, room, cylinder, layer, share, seam)
     span = span_of_layer(cylinder, layer)
     for k in range(1, free):
         earlier, total = share[k - 1], share[k]

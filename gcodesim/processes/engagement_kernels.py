@@ -27,6 +27,7 @@ from gcodesim.material.kernels import (
     ToColumns,
     ask_places,
     share_between,
+    surface_at,
     to_columns,
 )
 from gcodesim.processes.edge_kernels import (
@@ -47,6 +48,7 @@ from gcodesim.processes.edge_kernels import (
     Heading,
     clearance_of,
     plunge_way,
+    probe,
 )
 from gcodesim.processes.limit_kernels import (
     NO_LIMIT,
@@ -79,8 +81,8 @@ class Room(NamedTuple):
 
     rows (n, COLUMNS) of the edge; of each the share of it that is in material, weights (n, ANGLES); sums (SUMS, ANGLES)
     over rows; unit (4, ANGLES): force per width along u, l, z and the cut; line, share and places (ANGLES,): what is
-    asked of the stock; seams; for peaks, see `peak_kernels`: stretches (m, STRETCHES), borders (2, BORDERS), gaps
-    (GAPS, GAP) and load (4,).
+    asked of the stock; leans (ANGLES,), see `leans_of`; seams; for peaks, see `peak_kernels`: stretches (m, STRETCHES),
+    borders (2, BORDERS), gaps (GAPS, GAP) and load (4,).
     """
 
     rows: Array
@@ -90,6 +92,7 @@ class Room(NamedTuple):
     line: Array
     share: Array
     places: Places
+    leans: Array
     seams: Seams
     stretches: Array
     borders: Array
@@ -156,6 +159,46 @@ def lay_places(circle: Circle, ring: Ring, heading: Heading, columns: ToColumns,
 
 
 @kernel(lean=True)
+def leans_of(
+    field: Field, circle: Circle, tip: Array, heading: Heading, clearance: Clearance, ring: Ring, leans: Array
+) -> None:
+    """What part of the climb of a rising tool the surface in front has, leans (ANGLES,), each from 0 to 1.
+
+    Material is asked for ahead of the edge. There a floor that an earlier pass has left stands higher by the climb, but
+    the top of a raw block does not: so it is asked as much higher as the surface rises on from there.
+    """
+    leans[ANGLES // 2 :] = 0.0
+    for k in range(ANGLES // 2):
+        px, py, _ = probe(ring.radius, ring.outer - ring.ahead, circle.sines[k], circle.cosines[k], ring.ahead,
+                          clearance.aside, heading.level)  # fmt: skip
+        near = surface_at(field, tip[0] + heading.ux * px - heading.uy * py, tip[1] + heading.uy * px + heading.ux * py)
+        px += ring.ahead
+        far = surface_at(field, tip[0] + heading.ux * px - heading.uy * py, tip[1] + heading.uy * px + heading.ux * py)
+        known = near > -np.inf and far > -np.inf
+        rise = max(far - near, 0.0) * heading.level if known else np.inf
+        leans[k] = min(rise / (heading.climb * ring.ahead), 1.0)
+
+
+@kernel(lean=True, inlined=True)
+def leaning(heading: Heading, leans: Array, k: int) -> Heading:
+    """The heading with as much of its climb as the surface in front of angle k has."""
+    ux, uy, level, climb = heading
+    return Heading(ux, uy, level, climb * leans[k] if climb > 0.0 else climb)
+
+
+@kernel(lean=True, inlined=True)
+def least_leaning(heading: Heading, leans: Array) -> Heading:
+    """The same for the least of all angles in front."""
+    ux, uy, level, climb = heading
+    if climb > 0.0:
+        least = 1.0
+        for k in range(ANGLES // 2):
+            least = min(least, leans[k])
+        climb *= least
+    return Heading(ux, uy, level, climb)
+
+
+@kernel(lean=True)
 def leave_advancing(sines: Array, level: float, sin_kappa: float, fall: float, line: Array) -> bool:
     """Set the share (n,) to 0 where an element does not advance; returns whether any is left that is not known."""
     unknown = np.uint8(0)
@@ -209,9 +252,14 @@ def contact_of_rows(
     columns = to_columns(field, tip, ux, uy)
     sines, rows, weights = circle.sines, room.rows, room.weights
     found, waiting = False, 0
+    if climb > 0.0:
+        outermost = first + number - 1
+        ring = Ring(rows[outermost, RADIUS], rows[outermost, OUTER] + ahead, ahead, 0.0, 0.0)
+        leans_of(field, circle, tip, heading, clearance, ring, room.leans)
+    beside_way = least_leaning(heading, room.leans)
     span = span_of(tip, heading, clearance, rows, first + number - 1)
-    at_left = beside(field, columns, tip, heading, clearance, span, 1.0, room.load)
-    at_right = beside(field, columns, tip, heading, clearance, span, -1.0, room.load)
+    at_left = beside(field, columns, tip, beside_way, clearance, span, 1.0, room.load)
+    at_right = beside(field, columns, tip, beside_way, clearance, span, -1.0, room.load)
     walled = at_left.angle != NO_LIMIT or at_right.angle != NO_LIMIT
     for i in range(first, first + number):
         sin_kappa, fall = rows[i, SIN_KAPPA], climb * rows[i, COS_KAPPA]
@@ -226,26 +274,29 @@ def contact_of_rows(
         for begin, end in ((0, front_end), (back_begin, last)):
             places = places_at(room, begin, end)
             lay_places(part_of(circle, begin, end), ring, heading, columns, places)
+            if climb > 0.0:
+                for k in range(end - begin):
+                    places.ups[k] *= room.leans[begin + k]
             ask_places(columns, places, bottom, top, line[begin:end])
         if leave_advancing(sines, level, sin_kappa, fall, line):
             for k in range(last):
                 if line[k] == ELSEWHERE:
-                    line[k] = share_at(field, tip, heading, clearance, rows, i, sines[k], circle.cosines[k])
+                    own = leaning(heading, room.leans, k)
+                    line[k] = share_at(field, tip, own, clearance, rows, i, sines[k], circle.cosines[k])
         known, steps = room.places.us[:last], room.places.vs[:last]  # the places are no longer needed
         left = mark_steps(sines, level, sin_kappa, fall, line, known, steps)
         rows[i, FROM], rows[i, TO] = reach_of(known, steps)
         if walled and behind == 0 and sin_kappa > UPRIGHT:
             span = span_of(tip, heading, clearance, rows, i)
-            limit = at_row(at_left, tip, heading, clearance, span, known[0], True)
+            limit = at_row(at_left, tip, beside_way, clearance, span, known[0], True)
             if limit.angle != NO_LIMIT:
-                waiting = note_side(field, circle, tip, heading, clearance, room, i, limit, True, waiting)
-            limit = at_row(at_right, tip, heading, clearance, span, known[ANGLES // 2 - 1], False)
+                waiting = note_side(field, circle, tip, beside_way, clearance, room, i, limit, True, waiting)
+            limit = at_row(at_right, tip, beside_way, clearance, span, known[ANGLES // 2 - 1], False)
             if limit.angle != NO_LIMIT:
-                waiting = note_side(field, circle, tip, heading, clearance, room, i, limit, False, waiting)
+                waiting = note_side(field, circle, tip, beside_way, clearance, room, i, limit, False, waiting)
         if left > 0:
-            waiting = note_seams(
-                circle, tip, heading, clearance, rows, i, Steps(known, steps), left, room.seams, waiting
-            )
+            found_steps = Steps(known, steps, room.leans)
+            waiting = note_seams(circle, tip, heading, clearance, rows, i, found_steps, left, room.seams, waiting)
         found = found or rows[i, TO] > rows[i, FROM]
     if waiting > 0:
         walls = Walls(at_left, at_right)

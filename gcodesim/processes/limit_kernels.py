@@ -185,9 +185,10 @@ def outermost(
     """The limit at a wall not far inside the rim, on the left (1) or on the right (-1).
 
     It is between the columns around the rim, or between those a cell further inside; seen where the tool has not cut
-    any of it yet.
+    any of it yet. A wall that turns away from the tool, as that of a convex arc, is only seen as near to the axis as
+    that goes.
     """
-    radius = span.radius
+    radius, front = span.radius, span.radius + clearance.ahead
     inside = max(radius - clearance.aside, 0.0)
     px = outermost_ahead(radius, heading, clearance)
     spot = spot_at(tip, heading, span, px, side * JUST_INSIDE * radius, clearance.ahead)
@@ -195,6 +196,11 @@ def outermost(
     if limit.angle == NO_LIMIT:
         spot = spot_at(tip, heading, span, px, side * inside, clearance.ahead)
         limit = limit_at(field, tip, heading, clearance, radius, spot, line)
+    for wide in (0.5 * (radius + inside), JUST_INSIDE * radius):
+        if limit.angle == NO_LIMIT:
+            px = heading.level * float(np.sqrt(front * front - wide * wide))
+            spot = spot_at(tip, heading, span, px, side * wide, clearance.ahead)
+            limit = limit_at(field, tip, heading, clearance, radius, spot, line)
     return limit
 
 

@@ -360,6 +360,7 @@ class Milling(Process):
             line=np.zeros(ANGLES),
             share=np.zeros(ANGLES),
             places=Places(np.zeros(ANGLES), np.zeros(ANGLES), np.zeros(ANGLES)),
+            leans=np.zeros(ANGLES),
             seams=Seams(np.zeros((PLACES, SEAMS), dtype=np.int64), np.zeros((NUMBERS, SEAMS))),
             stretches=np.zeros((rows * MOST_OF_ROW, STRETCHES)),
             borders=np.zeros((2, BORDERS)),

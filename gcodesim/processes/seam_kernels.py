@@ -57,12 +57,12 @@ PLACES = 4
 # `after`; radius, largest radius, lowest and highest place of the row, and the least way to ask ahead [m]; the parts of
 # an angle between which the search goes on, and the shares there; where to ask next [m], and the share there; the limit
 # that was found [angles], what the row has before it less what it has behind it, and that times its height [m]; the
-# limit if a wall has told it before, or NO_LIMIT.
+# limit if a wall has told it before, or NO_LIMIT; how much higher to ask for each way ahead [-].
 (
     HALF, RISES, SINE, COSINE, RADII, OUTERS, LOWS, HIGHS, WAYS, LEAST, MOST, SHARE_LEAST, SHARE_MOST,
-    X, Y, BOTTOM, TOP, SHARE, LIMIT, DROP, LEVER, TOLD,
-) = range(22)  # fmt: skip
-NUMBERS = 22
+    X, Y, BOTTOM, TOP, SHARE, LIMIT, DROP, LEVER, TOLD, CLIMBS,
+) = range(23)  # fmt: skip
+NUMBERS = 23
 
 
 class Seams(NamedTuple):
@@ -73,10 +73,14 @@ class Seams(NamedTuple):
 
 
 class Steps(NamedTuple):
-    """Shares (n,) of a row at all angles, and where they change by more than half: see `mark_steps`."""
+    """Shares (n,) of a row at all angles, and where they change by more than half: see `mark_steps`.
+
+    For a tool that rises also how much of its climb the surface has there.
+    """
 
     known: Array
     marks: Array
+    leans: Array
 
 
 class SeamRows(NamedTuple):
@@ -89,6 +93,7 @@ class SeamRows(NamedTuple):
     lows: Array
     highs: Array
     ways: Array
+    climbs: Array
 
 
 @kernel(lean=True)
@@ -202,7 +207,7 @@ def note_seams(
 
     `mark_steps` has found `left` steps. There has to be room for as many.
     """
-    known, steps = found
+    known, steps, leans = found
     places, numbers = seams
     sines, cosines = circle
     begin, end, done = rows[i, FROM], rows[i, TO], 0
@@ -222,6 +227,7 @@ def note_seams(
         numbers[RADII, number], numbers[OUTERS, number] = rows[i, RADIUS], rows[i, OUTER]
         numbers[LOWS, number], numbers[HIGHS, number] = tip[2] + rows[i, LOW], tip[2] + rows[i, HIGH]
         falling = heading.climb < 0.0
+        numbers[CLIMBS, number] = heading.climb * leans[after - 1] if heading.climb > 0.0 else heading.climb
         numbers[WAYS, number] = plunge_way(rows, i, clearance.cell, heading.level) if falling else 0.0
         numbers[LEAST, number], numbers[MOST, number], numbers[TOLD, number] = 0.0, 1.0, NO_LIMIT
         numbers[SHARE_LEAST, number], numbers[SHARE_MOST, number] = known[after - 1], known[after]
@@ -241,7 +247,7 @@ def lay_spots(
     """
     ux, uy, level, climb = heading
     cell, ahead, aside = clearance
-    sines, cosines, radii, outers, lows, highs, ways = rows
+    sines, cosines, radii, outers, lows, highs, ways, climbs = rows
     xs, ys, bottoms, tops = spots
     tip_x, tip_y, dip = tip[0], tip[1], min(0.5 * (1.0 - level) * cell * climb, 0.0)
     for k in range(xs.shape[0]):
@@ -253,7 +259,7 @@ def lay_spots(
         front = sine > 0.0
         way = np.sqrt(outer * outer - wide * wide) - x if front else ahead
         px, py = x + level * way, y + level * (wide - y) if front else y
-        rise = climb * max(way, ways[k])
+        rise = climbs[k] * max(way, ways[k])
         low = lows[k] + rise + dip
         xs[k], ys[k] = tip_x + ux * px - uy * py, tip_y + uy * px + ux * py
         bottoms[k], tops[k] = low, max(highs[k] + rise, low + THIN)
@@ -322,8 +328,9 @@ def settle_seams(
     share_least, share_most = numbers[SHARE_LEAST], numbers[SHARE_MOST]
     spots = Spots(numbers[X], numbers[Y], numbers[BOTTOM], numbers[TOP])
     at_seams = SeamRows(
-        numbers[SINE], numbers[COSINE], numbers[RADII], numbers[OUTERS], numbers[LOWS], numbers[HIGHS], numbers[WAYS]
-    )
+        numbers[SINE], numbers[COSINE], numbers[RADII], numbers[OUTERS], numbers[LOWS], numbers[HIGHS], numbers[WAYS],
+        numbers[CLIMBS],
+    )  # fmt: skip
     known = walls.left.angle != NO_LIMIT or walls.right.angle != NO_LIMIT
     for halving in range(HALVINGS):
         lay_spots(tip, heading, clearance, at_seams, least, most, spots)
@@ -334,7 +341,8 @@ def settle_seams(
                 if share[k] == ELSEWHERE:
                     angle = 0.5 * (least[k] + most[k]) * (2.0 * np.pi / ANGLES)
                     sine, cosine = turned(numbers[SINE, k], numbers[COSINE, k], angle)
-                    share[k] = share_at(field, tip, heading, clearance, rows, places[ROW, k], sine, cosine)
+                    own = Heading(heading.ux, heading.uy, heading.level, numbers[CLIMBS, k])
+                    share[k] = share_at(field, tip, own, clearance, rows, places[ROW, k], sine, cosine)
         narrow(share, half, numbers[RISES], least, most, share_least, share_most)
     for k in range(number):
         i, where = places[ROW, k], crossing(least[k], most[k], share_least[k], share_most[k], half[k])

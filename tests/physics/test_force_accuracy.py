@@ -1,0 +1,122 @@
+"""Mean forces and peaks along ways at the default grid, against fine sums over the exact shape that was cut before."""
+
+from __future__ import annotations
+
+import itertools
+import math
+
+import numpy as np
+import pytest
+
+from gcodesim.material.stock import Stock
+from gcodesim.processes.laws import Kienzle
+from gcodesim.processes.milling import Milling
+from gcodesim.processes.window import ProcessStep, Window
+from gcodesim.tools import TOOLS
+from gcodesim.units import DEG
+from tests.physics.swept_cut import Pass, loads
+
+STEEL = Kienzle.from_table(2500.0, 0.26)
+D, OMEGA, CHIP, FLUTES = 10e-3, 400.0, 0.05e-3, 3
+SPEED = CHIP * FLUTES * OMEGA / (2.0 * math.pi)
+STEP = SPEED * 4e-3  # at the default rate
+ROUND = {"bull_nose_end_mill": {"corner_radius": 2e-3}}
+FREE = 2.0
+
+
+def mill(kind):
+    return TOOLS[kind](diameter=D, flutes=FLUTES, **ROUND.get(kind, {}))
+
+
+def block(cells=24):
+    return Stock.box((-40e-3, -40e-3, -20e-3), (40e-3, 40e-3, 0.0), D / cells)
+
+
+def cut(stock, cutter, law, corners) -> tuple[np.ndarray, ProcessStep]:
+    """Mill on straight lines between `corners` (m, 3): places (n + 1, 3) at which steps end, and what was found."""
+    places = [corners[:1]]
+    for a, b in itertools.pairwise(corners):
+        number = max(1, math.ceil(float(np.linalg.norm(b - a)) / STEP - 1e-9))
+        places.append(a + (np.arange(1, number + 1) / number)[:, None] * (b - a))
+    at = np.concatenate(places)
+    ways = np.diff(at, axis=0)
+    window = Window(
+        piece_start=at[:-1],
+        piece_end=at[1:],
+        piece_step=np.arange(len(ways)),
+        axis=np.tile([0.0, 0.0, 1.0], (len(ways), 1)),
+        velocity=SPEED * ways / np.linalg.norm(ways, axis=1)[:, None],
+        rapid=np.zeros(len(ways), dtype=bool),
+        signals={"spindle": np.full(len(ways), OMEGA), "active": np.zeros(len(ways), dtype=bool)},
+        dt=4e-3,
+    )
+    process = Milling(cutter=cutter, law=law)
+    state = process.begin()
+    state.values[2] = FREE  # it stands in the cut that it has made
+    return at, process.run(stock, window, state)
+
+
+def placed(points, angle=0.3, off=(0.13e-3, 0.21e-3)):
+    """Points (n, 3) turned about Z, and put anywhere on the grid."""
+    c, s = math.cos(angle), math.sin(angle)
+    x, y, z = np.asarray(points, dtype=float).T
+    return np.stack([c * x - s * y + off[0], s * x + c * y + off[1], z], axis=1)
+
+
+def compare(cutter, way, passes, looks, off, peak_off):
+    """Mill along `way` in a block that `passes` have cut, and hold what is felt at `looks` [of the way] to the sums."""
+    stock = block()
+    for one in passes:
+        cut(stock, one.cutter, None, one.places)
+    at, found = cut(stock, cutter, STEEL, way)
+    for look in looks:
+        k = int(look * (len(at) - 1))
+        heading = (at[k + 1] - at[k]) / np.linalg.norm(at[k + 1] - at[k])
+        wanted = loads(cutter, STEEL, CHIP, 0.5 * (at[k] + at[k + 1]), heading, passes, angles=720, count=24)
+
+        assert np.linalg.norm(found.wrench[k, :3]) == pytest.approx(wanted.size, rel=off)
+        assert found["torque"][k] == pytest.approx(wanted.torque, rel=off)
+        assert found["peak_force"][k] == pytest.approx(wanted.peak_force, rel=peak_off)
+        assert found["peak_torque"][k] == pytest.approx(wanted.peak_torque, rel=peak_off)
+
+
+@pytest.mark.parametrize("slope", [3.0, 20.0])
+@pytest.mark.parametrize("kind", ["flat_end_mill", "ball_end_mill", "bull_nose_end_mill"])
+def test_a_tool_that_rises_out_of_a_slot(kind, slope):
+    """Material is asked for ahead, where the top of a raw block is not higher: 10 to 40 % of the force were missing."""
+    cutter, run = mill(kind), min(16e-3, 5e-3 / math.tan(slope * DEG))
+    deep = -0.5e-3 - run * math.tan(slope * DEG)
+    standing = Pass(cutter, placed([(-run, 0.0, 5e-3), (-run, 0.0, deep)]))
+
+    compare(cutter, placed([(-run, 0.0, deep), (0.0, 0.0, -0.5e-3)]), [standing], (0.4, 0.6, 0.8), 0.015, 0.03)
+
+
+def test_a_tool_that_rises_along_a_floor_that_rises_feels_only_what_it_cuts():
+    """A layer of half a millimetre that lies parallel to the way: ahead it is higher, and so is its top."""
+    cutter, slope = mill("flat_end_mill"), math.tan(10.0 * DEG)
+    wide = TOOLS["flat_end_mill"](diameter=40e-3, flutes=FLUTES)
+    passes = [Pass(wide, placed([(-30e-3, 0.0, -8e-3), (30e-3, 0.0, -8e-3 + 60e-3 * slope)]))]
+    # its front edge, 20 mm before its tip, has left the floor
+    way = placed([(x, 0.0, -8e-3 + (x + 10e-3) * slope - 1e-3) for x in (-12e-3, -4e-3)])
+
+    compare(cutter, way, passes, (0.6, 0.95), 0.03, 0.07)
+
+
+def test_a_convex_arc_is_felt_all_along() -> None:
+    """For up to half a millimetre at a time nothing was felt, where a wall passed between two places of two looks."""
+    cutter, radius, wide = mill("flat_end_mill"), 12e-3, 1e-3
+
+    def arc(r, begin, end):
+        t = np.linspace(begin, end, int((end - begin) * r / 40e-6))
+        return placed(np.stack([r * np.cos(t), r * np.sin(t), np.full(len(t), -3e-3)], axis=1), 0.0, (0.1e-3, 0.13e-3))
+
+    stock, earlier = block(), Pass(cutter, arc(radius + wide, -0.8, 2.5))
+    cut(stock, cutter, None, earlier.places)
+    at, found = cut(stock, cutter, STEEL, arc(radius, 0.0, 1.4))
+    heading = (at[-1] - at[-2]) / np.linalg.norm(at[-1] - at[-2])
+    wanted = loads(cutter, STEEL, CHIP, at[-2], heading, [earlier], angles=720, count=24)
+    force = np.linalg.norm(found.wrench[200:, :3], axis=1)
+
+    assert np.median(force) == pytest.approx(wanted.size, rel=0.02)
+    assert force.min() > 0.7 * wanted.size
+    assert force.max() < 1.05 * wanted.size
