@@ -49,7 +49,10 @@ class Convexes(NamedTuple):
 
 
 class GapRoom(NamedTuple):
-    """Room to work in: simplex, its nearest point, weights, direction, two points, polytope, marks of its faces."""
+    """Room to work in: simplex, its nearest point, weights, direction, two points, polytope, marks of its faces.
+
+    `owner` (corner, corner) is the face that has the edge from one corner to another; -1: none.
+    """
 
     simplex: Array
     closest: Array
@@ -63,6 +66,7 @@ class GapRoom(NamedTuple):
     edges: Ints
     seen: Ints
     heap: Ints
+    owner: Ints
 
 
 def gap_room() -> GapRoom:
@@ -80,6 +84,7 @@ def gap_room() -> GapRoom:
         np.zeros((3 * MOST_FACES, 2), dtype=np.int64),
         np.zeros(MOST_FACES, dtype=np.int64),
         np.zeros(MOST_FACES, dtype=np.int64),
+        np.zeros((MOST_POINTS, MOST_POINTS), dtype=np.int64),
     )
 
 
@@ -141,14 +146,13 @@ def gap_along(a: int, b: int, bodies: Convexes, Xa: Array, Xb: Array, n: Array, 
 
 
 @kernel
-def signed_gap(a: int, b: int, bodies: Convexes, Xa: Array, Xb: Array, enough: float, room: GapRoom, n: Array) -> float:
-    """The gap [m] between two bodies, or minus their depth: the least shift that parts them.
+def approach(
+    a: int, b: int, bodies: Convexes, Xa: Array, Xb: Array, enough: float, room: GapRoom, n: Array
+) -> tuple[bool, float]:
+    """Whether two bodies, not grown, are known to be apart, and a bound of their distance [m], along `n` (3,).
 
-    `n` (3,) is the unit vector from `b` to `a` along which this gap lies. It is never more than the true one, and
-    less by `NEAR` and `RELATIVE` at most. A gap of `enough` or more may come back as any smaller number from `enough`.
+    The bound is good as that of `signed_gap`, or at least `enough`. Not apart is also what only just touches.
     """
-    grown: float = bodies.grown[a] + bodies.grown[b]
-    enough += grown
     closest, simplex, weight, d, point = room.closest, room.simplex, room.weight, room.d, room.point
     size = 0.0
     for c in range(3):
@@ -172,7 +176,7 @@ def signed_gap(a: int, b: int, bodies: Convexes, Xa: Array, Xb: Array, enough: f
             for c in range(3):
                 n[c] = -d[c]
         if lower > 0.0 and (lower >= enough or (count > 0 and size - lower <= NEAR + RELATIVE * size)):
-            return lower - grown
+            return True, lower
         known = False
         for i in range(count):
             if simplex[i, 0] == point[0] and simplex[i, 1] == point[1] and simplex[i, 2] == point[2]:
@@ -184,9 +188,33 @@ def signed_gap(a: int, b: int, bodies: Convexes, Xa: Array, Xb: Array, enough: f
         count = shrink(simplex, count + 1, closest, weight)
         if count == 4:
             break
-    if lower > NEAR:
-        return lower - grown
+    return lower > NEAR, lower
+
+
+@kernel
+def signed_gap(a: int, b: int, bodies: Convexes, Xa: Array, Xb: Array, enough: float, room: GapRoom, n: Array) -> float:
+    """The gap [m] between two bodies, or minus their depth: the least shift that parts them.
+
+    `n` (3,) is the unit vector from `b` to `a` along which this gap lies. It is never more than the true one, and
+    less by `NEAR` and `RELATIVE` at most. A gap of `enough` or more may come back as any smaller number from `enough`.
+    """
+    grown: float = bodies.grown[a] + bodies.grown[b]
+    is_apart, distance = approach(a, b, bodies, Xa, Xb, enough + grown, room, n)
+    if is_apart:
+        return distance - grown
     return -_depth(a, b, bodies, Xa, Xb, room, n) - grown
+
+
+@kernel
+def is_nearer(a: int, b: int, bodies: Convexes, Xa: Array, Xb: Array, limit: float, room: GapRoom, n: Array) -> bool:
+    """Whether the gap between two bodies is less than `limit` [m]; their depth is worked out only where it counts."""
+    grown: float = bodies.grown[a] + bodies.grown[b]
+    is_apart, distance = approach(a, b, bodies, Xa, Xb, limit + grown, room, n)
+    if is_apart:
+        return distance - grown < limit
+    if limit > -grown:
+        return True
+    return -_depth(a, b, bodies, Xa, Xb, room, n) - grown < limit
 
 
 @kernel
@@ -204,6 +232,9 @@ def _depth(a: int, b: int, bodies: Convexes, Xa: Array, Xb: Array, room: GapRoom
         for c in range(3):
             faces[f, c] = (f + 1 + c) % 4
         _face(corners, faces, planes, f, f)
+        _new_corner(room, f)
+    for f in range(4):
+        _own(room, f, f)
     used = 4
     least = math.inf
     for _ in range(MOST_POINTS):
@@ -222,6 +253,7 @@ def _depth(a: int, b: int, bodies: Convexes, Xa: Array, Xb: Array, room: GapRoom
             break
         for c in range(3):
             corners[count, c] = room.point[c]
+        _new_corner(room, count)
         count += 1
         used = _grow(room, used, count - 1, best)
         if used == 0:
@@ -310,13 +342,17 @@ def _face(corners: Array, faces: Ints, planes: Array, f: int, behind: int) -> No
 
 
 @kernel
-def _twin(faces: Ints, used: int, i: int, j: int) -> int:
-    """The face that has the edge from corner `i` to `j`; -1: none."""
-    for f in range(used):
-        for c in range(3):
-            if faces[f, c] == i and faces[f, (c + 1) % 3] == j:
-                return f
-    return -1
+def _own(room: GapRoom, f: int, owner: int) -> None:
+    """Let the edges of face `f` be those of `owner`."""
+    for c in range(3):
+        room.owner[room.faces[f, c], room.faces[f, (c + 1) % 3]] = owner
+
+
+@kernel
+def _new_corner(room: GapRoom, new: int) -> None:
+    """No face has an edge to or from corner `new`."""
+    for k in range(new + 1):
+        room.owner[new, k] = room.owner[k, new] = -1
 
 
 @kernel
@@ -337,7 +373,7 @@ def _seen_from(room: GapRoom, used: int, new: int, best: int) -> int:
         top -= 1
         for c in range(3):
             i, j = faces[f, c], faces[f, (c + 1) % 3]
-            g = _twin(faces, used, j, i)
+            g = room.owner[j, i]
             if g >= 0 and seen[g] == 1:
                 continue
             front = g >= 0 and planes[g, 0] * x + planes[g, 1] * y + planes[g, 2] * z > planes[g, 3] + FRONT
@@ -351,7 +387,7 @@ def _seen_from(room: GapRoom, used: int, new: int, best: int) -> int:
     # a face may have been taken after its neighbour had put their edge on the rim
     kept = 0
     for e in range(rim):
-        g = _twin(faces, used, edges[e, 1], edges[e, 0])
+        g = room.owner[edges[e, 1], edges[e, 0]]
         if g < 0 or seen[g] == 0:
             edges[kept, 0], edges[kept, 1] = edges[e, 0], edges[e, 1]
             kept += 1
@@ -365,16 +401,21 @@ def _grow(room: GapRoom, used: int, new: int, best: int) -> int:
     rim = _seen_from(room, used, new, best)
     kept = 0
     for f in range(used):
+        if room.seen[f] == 1:
+            _own(room, f, -1)
+    for f in range(used):
         if room.seen[f] == 0:
             for c in range(3):
                 faces[kept, c] = faces[f, c]
             for c in range(4):
                 planes[kept, c] = planes[f, c]
+            _own(room, kept, kept)
             kept += 1
     if rim == 0 or kept + rim > MOST_FACES:
         return 0
     for e in range(rim):
         faces[kept, 0], faces[kept, 1], faces[kept, 2] = edges[e, 0], edges[e, 1], new
         _face(corners, faces, planes, kept, -1)
+        _own(room, kept, kept)
         kept += 1
     return kept

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gcodesim.checks.gap_kernels import Convexes, GapRoom, Ints, signed_gap
+from gcodesim.checks.gap_kernels import RELATIVE, Convexes, GapRoom, Ints, gap_along, is_nearer, signed_gap
 from gcodesim.checks.way_kernels import (
     CLOSE,
     GOLDEN,
@@ -23,9 +23,11 @@ from gcodesim.checks.way_kernels import (
     JointTree,
     WayColumns,
     WayRoom,
+    acceleration_of,
     descend,
     gap_at,
     place_at,
+    place_pair,
     seen_from,
     slack_of,
 )
@@ -38,6 +40,8 @@ LEVELS = 64
 SHARE = 2e-4  # of itself by which a least gap may be too large, besides the tolerance
 WINDOW = 1e-3  # [m] by which two bodies are above a level when their gap is not worked out
 AGAIN = 2  # samples on a stretch that begins in contact
+DEEPER = 5e-6  # [m] by which bodies must be deeper in each other than known for it to be worth a look: less than what
+# the way is known to
 LEAST_SHARE = 0.05  # of such a stretch, up to which the place of the least gap is sought
 
 
@@ -68,8 +72,8 @@ class Meetings(NamedTuple):
 class Walk(NamedTuple):
     """Room to work in: pairs by level of bisection and how many; intervals; two trees; poses; state of each pair.
 
-    Of a pair below the level, `ended` (p,) is its gap [m] at the end of the stretch that was `last`; `sinks` (p,) says
-    that it is the least so far, found there without a look at what lies just before.
+    Of a pair below the level, `ended` (p,) is its gap [m] at the end of the stretch that was `last`, inf if nobody has
+    looked there; `sinks` (p,) says that it is the least so far, found there without a look at what lies just before.
     """
 
     alive: Ints
@@ -146,12 +150,14 @@ def come_near(
         if top < 0:
             return near
         a, b = forest.convex[nodes[top, 0]], forest.convex[nodes[top, 1]]
-        gap = signed_gap(a, b, bodies, walk.Xa, walk.Xb, limit, gaps, n)
-        if gap < limit:
-            if not least:
+        if not least:
+            if is_nearer(a, b, bodies, walk.Xa, walk.Xb, limit, gaps, n):
                 return True
-            near = True
-            walk.best[0] = min(walk.best[0], gap)
+        else:
+            gap = signed_gap(a, b, bodies, walk.Xa, walk.Xb, limit, gaps, n)
+            if gap < limit:
+                near = True
+                walk.best[0] = min(walk.best[0], gap)
         top -= 1
 
 
@@ -248,6 +254,109 @@ def first_on(
 
 
 @kernel
+def is_above(
+    p: int,
+    leaf: tuple[int, int],
+    stretches: tuple[int, int],
+    level: float,
+    scene: tuple[Couple, JointTree, WayColumns, Forest, Convexes],
+    rooms: tuple[WayRoom, GapRoom],
+) -> bool:
+    """Whether the gap of two convex bodies along the direction ``room.n`` stays above a level on some stretches.
+
+    Between the ends of a stretch it is above its chord but for what the bodies' acceleration allows.
+    """
+    couple, chain, way, _, bodies = scene
+    room, gaps = rooms
+    a, b = leaf
+    lo, hi = stretches
+    before = math.inf
+    for k in range(lo, hi + 1):
+        for j in range(way.q.shape[1]):
+            room.q[j] = way.q[k, j]
+        place_pair(p, couple, chain, room)
+        gap = gap_along(a, b, bodies, room.Xa, room.Xb, room.n, gaps)
+        if gap < level:
+            return False
+        if k > lo and min(before, gap) - acceleration_of(p, k - 1, couple, chain, way) / 8.0 < level:
+            return False
+        before = gap
+    return True
+
+
+@kernel
+def least_known(e: int, level: float, found: Meetings) -> float:
+    """The gap [m] below which a gap is worth a look: the least of a row so far, but for what makes no difference."""
+    least: float = found.figures[e, 2]
+    return least - DEEPER - RELATIVE * abs(least) if level <= 0.0 else least
+
+
+@kernel
+def deepest_of(
+    p: int,
+    pair: Ints,
+    stretches: tuple[int, int],
+    bounds: tuple[float, float, float],
+    scene: tuple[Couple, JointTree, WayColumns, Forest, Convexes],
+    walk: Walk,
+    rooms: tuple[WayRoom, GapRoom],
+) -> float:
+    """The gap [m] of two bodies at the poses of `walk`, if it is above some level on all of some stretches; else NaN.
+
+    `bounds`: that level, how much a gap may change on the stretches, and a gap from which on nothing counts. Where a
+    gap may change too much, the direction in which bodies are to be parted here may still be one for all stretches.
+    """
+    _, _, _, forest, bodies = scene
+    room, gaps = rooms
+    least, between, limit = bounds
+    nodes = walk.nodes
+    nodes[0, 0], nodes[0, 1] = pair[0], pair[1]
+    top, deepest = 0, math.inf
+    while True:
+        top = next_leaves(top, limit, forest, nodes, walk.Xa, walk.Xb)
+        if top < 0:
+            return deepest
+        a, b = forest.convex[nodes[top, 0]], forest.convex[nodes[top, 1]]
+        gap = signed_gap(a, b, bodies, walk.Xa, walk.Xb, math.inf, gaps, room.n)
+        deepest = min(deepest, gap)
+        if gap - between < least and not is_above(p, (a, b), stretches, least, scene, rooms):
+            return math.nan
+        top -= 1
+
+
+@kernel
+def stays(
+    p: int,
+    pair: Ints,
+    stretches: tuple[int, int],
+    level: float,
+    scene: tuple[Couple, JointTree, WayColumns, Forest, Convexes],
+    walk: Walk,
+    rooms: tuple[WayRoom, GapRoom],
+    found: Meetings,
+) -> bool:
+    """Whether a pair that begins some stretches below the level stays so and is nowhere deeper than it has been.
+
+    The bodies are at the poses of `walk` at a node of these stretches, and joints swing by ``walk.swing`` about it; a
+    gap changes by no more than the way of one body against the other.
+    """
+    lo, hi = stretches
+    e = walk.open[p]
+    if e < 0 or walk.last[p] != lo - 1 or walk.sinks[p] > 0:
+        return False
+    least = least_known(e, level, found)
+    between = range_of(p, scene[0], walk.swing)
+    if least + between > level:
+        return False
+    limit = max(least + between, level - between)
+    deepest = deepest_of(p, pair, stretches, (least, between, limit), scene, walk, rooms)
+    if not deepest + between <= level:
+        return False
+    walk.last[p], walk.ended[p], found.rows[e, 2] = hi - 1, math.inf, hi - 1
+    return True
+
+
+@kernel
 def goes_on(
     p: int,
     pair: Ints,
@@ -271,16 +380,22 @@ def goes_on(
         walk.swing[j] = abs(way.q[k + 1, j] - way.q[k, j])
     between = 0.5 * range_of(p, couple, walk.swing)
     begin = walk.ended[p]
+    if begin == math.inf:
+        begin = least_gap(p, pair, (k, 0.0, level), couple, chain, way, forest, bodies, walk, rooms)
     if begin + between > level:
+        return False
+    if walk.sinks[p] == 0 and begin - between < least_known(walk.open[p], level, found):
         return False
     end = least_gap(p, pair, (k, 1.0, level), couple, chain, way, forest, bodies, walk, rooms)
     if end + between > level:
         return False
     e = walk.open[p]
+    least = least_known(e, level, found)
     if end < found.figures[e, 2]:
-        walk.sinks[p] = 1
         found.figures[e, 1], found.figures[e, 2], found.rows[e, 3] = 1.0, end, k
-    elif walk.sinks[p] > 0 or min(begin, end) - between < found.figures[e, 2]:
+    if end < least:
+        walk.sinks[p] = 1
+    elif walk.sinks[p] > 0 or min(begin, end) - between < least:
         return False
     walk.ended[p] = end
     found.rows[e, 2] = k
@@ -356,6 +471,7 @@ def follow(
     best, before, after, past, end = math.inf, t, 1.0, t, 1.0
     at = t
     pending = False
+    gap = at_begin = at_middle = math.inf
     for i in range(count + 1):
         if i == 0:
             here = t
@@ -365,8 +481,11 @@ def follow(
             here = t + (1.0 - t) * (i - HALVINGS) / SAMPLES
         else:
             here = t + (1.0 - t) * i / AGAIN
-        gap = least_gap(p, pair, (k, here, level), couple, chain, way, forest, bodies, walk, rooms)
-        walk.ended[p] = gap
+        at_begin, at_middle = at_middle, gap
+        if i == 0 and t == 0.0 and not fresh and walk.ended[p] < math.inf:
+            gap = walk.ended[p]
+        else:
+            gap = least_gap(p, pair, (k, here, level), couple, chain, way, forest, bodies, walk, rooms)
         if pending:
             after = here
             pending = False
@@ -377,11 +496,23 @@ def follow(
         if i > 0 and gap > level + CLOSE:
             end = here
             break
+    walk.ended[p] = gap
     if pending:
         after = past
+    e = walk.open[p]
+    found.rows[e, 2] = k
+    if not fresh and end >= 1.0:
+        # the gap of two convex bodies that shift is a convex function: it is above the lines that lead to the middle
+        least = least_known(e, level, found)
+        sinks = best == gap and best < least
+        if sinks or at_middle - max(at_begin - at_middle, gap - at_middle, 0.0) >= least:
+            walk.sinks[p] = 1 if sinks and t == 0.0 else 0
+            if best < found.figures[e, 2]:
+                found.figures[e, 1], found.figures[e, 2], found.rows[e, 3] = at, best, k
+            if not sinks or t == 0.0:
+                return end
     enough = 1e-9 if fresh else LEAST_SHARE
     deepen(p, pair, (k, at, level), (before, after, enough, best), scene, walk, rooms, found)
-    found.rows[walk.open[p], 2] = k
     return end
 
 
@@ -492,14 +623,23 @@ def meet(
         top -= 1
         m = (lo + hi) // 2
         swings(lo, hi, m, way, walk.swing)
-        for j in range(way.q.shape[1]):
-            room.q[j] = way.q[m, j]
-        joint_frames(room.q, chain.parent, chain.before, chain.axis, chain.prismatic, room.frames)
+        moved = True
         kept = 0
         for i in range(count[deep]):
             p = walk.alive[deep, i]
+            # `stays` has had joints elsewhere
+            if moved:
+                for j in range(way.q.shape[1]):
+                    room.q[j] = way.q[m, j]
+                joint_frames(room.q, chain.parent, chain.before, chain.axis, chain.prismatic, room.frames)
+                moved = False
             seen_from(room.frames, couple.common[p], couple.first[p], walk.Xa)
             seen_from(room.frames, couple.common[p], couple.second[p], walk.Xb)
+            if tolerance <= 0.0 and walk.open[p] >= 0:
+                if stays(p, pairs[p], (lo, hi), level, scene, walk, rooms, found):
+                    moved = True
+                    continue
+                moved = True
             at = below(walk.best[0], tolerance) if tolerance > 0.0 else level
             limit = range_of(p, couple, walk.swing) + at + CLOSE
             if come_near(pairs[p], limit, forest, bodies, walk, gaps, room.n, tolerance > 0.0):
