@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import _thread
 import os
 import signal
+import sys
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -12,6 +14,8 @@ from typing import Final
 
 SIGNALS: Final = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name))
 """Ctrl-C; the signal with which CI systems cancel; a terminal that is closed."""
+
+_AGAIN_S: Final = 0.02  # after which a signal that was passed over comes again
 
 
 class Interrupted(KeyboardInterrupt):
@@ -44,6 +48,8 @@ def handled(handler: Callable[[int, FrameType | None], None] | None = None) -> I
     """Call `handler` for the signals inside this context (default: raise `Interrupted`, and keep which one it was).
 
     What an exception becomes on its way out is up to those whom it passes: a run that ends in order tells of that.
+    Python passes over one that is raised in a destructor or in a callback of a weak reference, as there are many while
+    modules are loaded; that one is raised again a moment later.
 
     A signal that is ignored stays so, as under `nohup`. Only the main thread may handle signals; in another one
     nothing changes.
@@ -58,12 +64,24 @@ def handled(handler: Callable[[int, FrameType | None], None] | None = None) -> I
         yield heard
         return
     before = {}
+    passed_over = sys.unraisablehook
+
+    def again(what: sys.UnraisableHookArgs) -> None:
+        if not isinstance(what.exc_value, Interrupted):
+            passed_over(what)
+            return
+        timer = threading.Timer(_AGAIN_S, _thread.interrupt_main, [what.exc_value.number])
+        timer.daemon = True
+        timer.start()
+
     try:
+        sys.unraisablehook = again
         for number in SIGNALS:
             known = signal.getsignal(number)
             if known is not None and known != signal.SIG_IGN:  # None: a handler that was not installed from Python
                 before[number] = signal.signal(number, handler or end)
         yield heard
     finally:
+        sys.unraisablehook = passed_over
         for number, known in before.items():
             signal.signal(number, known)

@@ -6,6 +6,7 @@ import json
 import signal
 import subprocess
 import sys
+import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -13,6 +14,7 @@ from typing import Any
 import pytest
 
 import gcodesim
+from gcodesim.cli.interrupts import Interrupted, handled
 from gcodesim.executor import loop, pacing
 from gcodesim.log.logfile import LogFile
 from gcodesim.log.reader import decoded
@@ -252,3 +254,32 @@ def test_a_ctrl_c_while_modules_are_loaded_is_no_traceback(ignored: bool, status
 def test_the_command_begins_where_that_is_taken_care_of() -> None:
     text = (Path(gcodesim.__file__).parents[1] / "pyproject.toml").read_text()
     assert 'gcodesim = "gcodesim.__main__:main"' in text
+
+
+def test_a_signal_that_python_passes_over_comes_again() -> None:
+    """What is raised in a destructor goes nowhere; a command went on computing then."""
+
+    class Fading:
+        def __del__(self) -> None:
+            signal.raise_signal(signal.SIGTERM)
+
+    with pytest.raises(Interrupted) as raised, handled() as heard:
+        Fading()
+        time.sleep(30.0)
+    assert (raised.value.number, heard.number) == (signal.SIGTERM, signal.SIGTERM)
+
+
+def test_other_faults_in_destructors_are_told_as_ever() -> None:
+    class Broken:
+        def __del__(self) -> None:
+            raise ValueError("in a destructor")
+
+    told: list[Any] = []
+    before, sys.unraisablehook = sys.unraisablehook, told.append
+    try:
+        with handled():
+            Broken()
+        assert sys.unraisablehook == told.append
+    finally:
+        sys.unraisablehook = before
+    assert [type(one.exc_value) for one in told] == [ValueError]
