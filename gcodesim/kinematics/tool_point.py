@@ -61,7 +61,7 @@ class ToolPoint:
     def rotary(self) -> NDArray[np.intp]:
         """Which joints are rotary and have a place."""
         chain = self.kinematics.chain
-        carrying = {joint.parent for joint in chain.joints}
+        carrying = {joint.parent for joint in chain.joints} | {chain.table, chain.flange}
         joints = [chain.joints[index] for index in chain.driven]
         return np.array(
             [i for i, joint in enumerate(joints) if joint.kind == "revolute" and joint.child in carrying],

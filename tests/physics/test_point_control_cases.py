@@ -112,3 +112,25 @@ def test_a_block_of_inverse_time_takes_it_whatever_moves(leans: bool) -> None:
     taken = times[:, 1] - times[:, 0]
     assert np.all(taken > wanted - 1e-3)
     assert np.all(taken < wanted + 0.06)
+
+
+def test_the_shipped_trunnion_turns_both_its_axes() -> None:
+    """Its axes of `robots/facts.md`: A through Y20 Z-60, C through zero; vectors, and a plane that G53.1 turns to."""
+    random = np.random.default_rng(3)
+    _, vectors, blocks = drawn_vectors(random)
+    steep = [block for block, vector in zip(blocks, vectors, strict=True) if vector[2] > 0.85]
+    text = (
+        "gcodesim: 1\ndialect: fanuc\nmachine: mill_xyzac_trunnion\nwork_offsets: {G54: {xyz: [0, 0, 150]}}\n"
+        f"tools: {{1: {{type: ball_end_mill, diameter: 8, length: {LENGTH:g}}}}}\n"
+    )
+
+    _, joints, _ = planned(["G43.5 H1", *steep], text)
+    _, upright, _ = planned(["G68.2 X0 Y0 Z10. I30. J25. K0", "G53.1", "G1 X0 Y0 Z20. F900.", "G69"], text)
+
+    turned = Rotation.from_rotvec(np.outer(joints[:, 3], [1, 0, 0])) * Rotation.from_rotvec(
+        np.outer(joints[:, 4], [0, 0, 1])
+    )
+    assert np.abs(turned.apply(vectors[vectors[:, 2] > 0.85]) - [0, 0, 1]).max() < 3e-6
+    normal = Rotation.from_euler("ZX", [30.0, 25.0], degrees=True).apply([0, 0, 1])
+    a, c = upright[-1, 3:]
+    assert np.abs(Rotation.from_euler("zx", [c, a]).apply(normal) - [0, 0, 1]).max() < 3e-6
