@@ -119,10 +119,10 @@ def place(cell: Cell, channel: str = MAIN) -> Placement:
     own = cell.channels[channel]
     mover = cell.machine_of(channel)
     findings: list[Diagnostic] = []
-    X_WM = mover.X_WM if isinstance(mover, MachineTool) else _upright_base(cell, own, mover)
+    X_WM = mover.X_WM if mover.axes else _upright_base(cell, own, mover)
     offsets = {index: Pose.identity() for index in range(1, len(SYSTEMS) + 1)}
     for name, standing in own.work_offsets.items():
-        X_MP = _offset(cell, X_WM, X_WM if isinstance(mover, MachineTool) else mover.X_WB, standing)
+        X_MP = _offset(cell, X_WM, mover.X_WM, standing)
         offsets[system_index(name)] = X_MP
         if mover.axes and _leans(X_MP):
             tilt = np.degrees(acos(np.clip(X_MP.R[2, 2], -1, 1)))

@@ -412,6 +412,11 @@ class Robot:
     def axis(self, letter: str) -> MachineAxis | None:
         return None
 
+    @property
+    def X_WM(self) -> Pose:
+        """Machine zero of an arm whose work systems are upright: its base."""
+        return self.X_WB
+
     def at(self, X_WB: Pose) -> Robot:
         return replace(self, X_WB=X_WB)
 

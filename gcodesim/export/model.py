@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from gcodesim.arithmetic.elementary import power
 from gcodesim.export.exporter import Exporter, Option, Request
 from gcodesim.log.shapes import Color
+from gcodesim.log.topics import LOOSE
 from gcodesim.playback.frames import RecordedFrames
 from gcodesim.playback.recording import Recording
 from gcodesim.playback.scenes import Drawing
@@ -29,7 +30,7 @@ def scene_glb(recording: Recording, t_ns: int) -> bytes:
     """A GLB file in metres: a node for each entity, named as in the log, under one node that turns Z to glTF's Y."""
     frames = recording.frames()
     drawings: list[Drawing] = []
-    for topic in ("/scene/cell", "/scene/path", "/scene/tool", "/scene/loose"):
+    for topic in ("/scene/cell", "/scene/path", "/scene/tool", LOOSE.name):
         past = [content for time, content in recording.drawings(topic) if time <= t_ns]
         drawings += past[-1] if past else ()
     drawings += recording.stock_at(t_ns)

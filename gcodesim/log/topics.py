@@ -33,13 +33,13 @@ DRAWN: Final = Topic("/scene/drawn", "foxglove.SceneUpdate", "change")
 """What a script draws; only logs of sessions have it."""
 
 
-LOOSE: Final = Topic("/scene/loose", "foxglove.SceneUpdate", "change")
-"""Pieces that came loose; only logs of runs in an engine have it."""
-
-
 def tile_topic(family: str, index: int) -> str:
     """The topic of tile `index` of `stock` or `added`."""
     return f"/scene/{family}/{index:02d}"
+
+
+LOOSE: Final = Topic(tile_topic("added", MOST_TILES - 1), "foxglove.SceneUpdate", "change")
+"""Pieces that came loose; only logs of runs in an engine have it. The last tile, which every layout names."""
 
 
 def topics_of_channel(name: str) -> tuple[Topic, ...]:

@@ -16,8 +16,8 @@ from gcodesim.material.field_kernels import PATCH
 
 if TYPE_CHECKING:
     from gcodesim.material.lattice import Lattice
-    from gcodesim.material.loose_body import LooseBody
     from gcodesim.material.loose_kernels import BodyWays, PatchCopies, PieceSizes
+    from gcodesim.material.piece_shape import PieceShape
     from gcodesim.material.stock import Stock
 
 Array = NDArray[np.float64]
@@ -40,7 +40,7 @@ class PartedPiece(NamedTuple):
     volume: float
     low: Array
     high: Array
-    body: LooseBody | None = None
+    body: PieceShape | None = None
 
 
 class Kept(NamedTuple):
@@ -195,15 +195,15 @@ class Parting:
         return pieces
 
 
-def _body(before: Stock, stock: Stock, label: Ints, p: int, low: Array, high: Array) -> LooseBody:
+def _body(before: Stock, stock: Stock, label: Ints, p: int, low: Array, high: Array) -> PieceShape:
     """Piece `p` of a stock as it was before pieces came out of it; `stock` is what is left."""
-    from gcodesim.material.loose_body import loose_body
+    from gcodesim.material.piece_shape import piece_shape
 
     alone = before.copy()
     others = np.ones(int(label.max()), dtype=np.uint8)
     others[p] = 0
     _take(alone, label, others)
-    return loose_body(alone, stock, low, high)
+    return piece_shape(alone, stock, low, high)
 
 
 def _take(stock: Stock, label: Ints, goes: Bytes) -> None:

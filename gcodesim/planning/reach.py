@@ -99,7 +99,7 @@ def why(kinematics: Kinematics, reason: Reason) -> str:
     value, limit = reason.value / factor, reason.limit / factor
     if reason.status == 1 and not reason.what:
         count = len(kinematics.joints.names)
-        few = f"; {count} joints do not turn it to all sides" if count < _ALL_SIDES else ""
+        few = f"; {count} joint{'s' if count > 1 else ''} cannot turn it to all sides" if count < _ALL_SIDES else ""
         return f"out of reach: no position of the joints holds the tool so at this place{few}"
     if reason.status == 1:
         side = "at most" if reason.value > reason.limit else "at least"

@@ -20,7 +20,7 @@ from gcodesim.log.event import LogEvent
 from gcodesim.log.logfile import LogFile, LogReadError, RawMessage
 from gcodesim.log.reader import decoder_of
 from gcodesim.log.series import Series, read_series
-from gcodesim.log.topics import PERIODIC
+from gcodesim.log.topics import LOOSE, PERIODIC
 from gcodesim.playback.frames import RecordedFrames
 from gcodesim.playback.scenes import Drawing, drawing_of
 from gcodesim.playback.stored_results import NoResultsError, results_from
@@ -184,7 +184,7 @@ class Recording:
         """
         wanted: dict[int, tuple[str, Callable[[RawMessage], Any]]] = {}
         others = [f"/{name}{topic}" for name in self.channels for topic in ("/event", "/scene/tool")]
-        scenes = ("/scene/cell", "/scene/path", "/scene/tool", "/scene/drawn", "/scene/loose")
+        scenes = ("/scene/cell", "/scene/path", "/scene/tool", "/scene/drawn", LOOSE.name)
         for topic in ("/tf_static", "/program", "/event", *scenes, *others):
             channel = self.log.channel_id(topic)
             if channel is not None:
@@ -244,7 +244,7 @@ class Recording:
 
     def tools(self) -> list[tuple[int, tuple[Drawing, ...]]]:
         """The tools in all spindles and the pieces that came loose, whenever one of them changes."""
-        topics = ("/scene/tool", *(f"/{name}/scene/tool" for name in self.channels), "/scene/loose")
+        topics = ("/scene/tool", *(f"/{name}/scene/tool" for name in self.channels), LOOSE.name)
         own = [self.drawings(topic) for topic in topics]
         shown: list[tuple[Drawing, ...]] = [() for _ in own]
         found: dict[int, tuple[Drawing, ...]] = {}
@@ -265,7 +265,7 @@ class Recording:
     def tile_topics(self) -> tuple[str, ...]:
         """All topics that draw a tile of stock or of added material, sorted."""
         names = (channel.topic for channel in self.log.channels.values())
-        return tuple(sorted(name for name in names if name.startswith(_TILES)))
+        return tuple(sorted(name for name in names if name.startswith(_TILES) and name != LOOSE.name))
 
     def _channels_of(self, topics: Iterable[str]) -> dict[int, str]:
         """The `topics` that the log has, by the numbers of their channels."""

@@ -34,7 +34,7 @@ from gcodesim.log import (
 )
 from gcodesim.log.further import FurtherLog
 from gcodesim.log.scene import entities_update, lines_update
-from gcodesim.log.topics import DRAWN, LOOSE, Topic
+from gcodesim.log.topics import DRAWN, LOOSE, MOST_TILES, Topic
 from gcodesim.motion.tool_path import HOME, RAPID
 from gcodesim.processes.column import FORCE, LOG, POWER, RESULTS, TORQUE, Column
 from gcodesim.recorder.blocks import Blocks
@@ -130,7 +130,8 @@ class Recorder:
             max(each.plan.trajectory.duration_ns for each in job.all if each.plan is not None)
         )
         engine = job.world == BULLET and any(not placed.revolved for placed in self._shop.stocks.values())
-        self._loose = LoosePieces(self._frames, self._step_ns) if engine and not prefix else None
+        own_tile = len(self._films) < MOST_TILES
+        self._loose = LoosePieces(self._frames, self._step_ns) if engine and own_tile and not prefix else None
         self._limits = JointLimits.of(self._shop)
         self._sheet = self._shop.sheet
         self._instants = Instants(self._plan, self._sheet)

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from gcodesim.log.topics import LOOSE
 from gcodesim.playback import Recording
 from tests.physics.runs import Ran, run_texts
 
@@ -86,7 +87,7 @@ def test_a_tool_that_goes_down_to_it_hits_it(tmp_path: Path) -> None:
 
 def test_the_log_shows_it_on_its_way_and_where_it_lies(tmp_path: Path) -> None:
     run = ran(tmp_path, OVER_A_BED)
-    shown = Recording.open(tmp_path).drawings("/scene/loose")
+    shown = Recording.open(tmp_path).drawings(LOOSE.name)
     (body,) = run.execution.loose
     heights = [content[0].shapes[0].p[2] for _, content in shown[1:]]
 

@@ -43,7 +43,7 @@ POSES = {
     *("session/cell_in_hand.py", "solids/solid.py", "kinematics/assembly.py", "cell/externals.py"),
     *("jobs/verification.py", "jobs/collisions.py", "cell/assembly.py", "checks/cell_bodies.py"),
     *("checks/cell_meetings.py", "kinematics/posed_links.py", "tools/own_body.py", "tools/tool.py"),
-    *("recorder/bodies.py", "cell/machine.py", "cell/surfaces.py"),
+    *("recorder/bodies.py", "recorder/loose.py", "cell/machine.py", "cell/surfaces.py"),
     *("checks/stock_watch.py", "post/language.py", "post/from_plan.py"),
 }
 SCREEN = {"world/window.py", "observation/spectator.py"}

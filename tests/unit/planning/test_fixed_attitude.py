@@ -321,6 +321,6 @@ def test_an_arm_of_five_joints_is_told_to_be_one(tmp_path: Path) -> None:
 
     near = five.reason(X, HOME[:5], Status.REACH)
 
-    assert why(five, near).endswith("holds the tool so at this place; 5 joints do not turn it to all sides")
+    assert why(five, near).endswith("holds the tool so at this place; 5 joints cannot turn it to all sides")
     assert "flange distance from joint_1 would be 3" in why(five, five.reason(far, HOME[:5], Status.REACH))
     assert five.inverse(five.forward(HOME[:5][None]), HOME[:5])[1][0] == Status.OK

@@ -1,4 +1,4 @@
-"""A piece that came loose as a body: its skin, boxes that fill it, and the skin of what it came loose from."""
+"""The shape of a piece that came loose: its skin, boxes that fill it, and the skin of what it came loose from."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ DRAWN_COLUMNS: Final = 60_000
 _RIM: Final = 2  # columns beside a piece that are kept, so that its walls are drawn where they are
 
 
-class LooseBody(NamedTuple):
+class PieceShape(NamedTuple):
     """A piece in S: its skin (points (v, 3) [m], triangles (t, 3)), and `boxes` (b, 2, 3) [m] within it.
 
     `rest` is the skin of the stock without it, around it as far as it is long.
@@ -36,11 +36,11 @@ class LooseBody(NamedTuple):
     rest: Skin
 
 
-def loose_body(piece: Stock, rest: Stock, low: Array, high: Array) -> LooseBody:
-    """The body in the box `low`, `high` (3,) [m]; `piece` is a stock that holds nothing else, `rest` all that stays."""
+def piece_shape(piece: Stock, rest: Stock, low: Array, high: Array) -> PieceShape:
+    """What is in the box `low`, `high` (3,) [m]: `piece` is a stock with nothing else, `rest` all that stays."""
     alone = _around(piece, low, high, _RIM * piece.cell)
     around = _around(rest, low, high, float((high - low).max()))
-    return LooseBody(
+    return PieceShape(
         skin=_skin(alone, alone.resolution),
         boxes=boxes_within(alone.field.columns, alone.field.grid),
         rest=_skin(around, around.spacing_for(DRAWN_COLUMNS)),
