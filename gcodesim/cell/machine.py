@@ -377,15 +377,18 @@ class MachineKind(Kind):
         shown_machine |= {} if value.kinematics is None else {"kinematics": _NAMED.show(value.kinematics)}
         axes = {axis.letter: show_axis(axis) for axis in value.built_in_axes}
         shown_machine |= {"rapids": value.rapids, "axes": axes}
-        shown_machine |= {"nose": [f"{at / MM:.10g} mm" for at in value.nose]} if any(value.nose) else {}
-        return shown_machine | {"base": Record(Place, "a place").show(value.base)}
+        return shown_machine | _plain_nose(value.nose) | {"base": Record(Place, "a place").show(value.base)}
 
     def plain(self, value: Any) -> tuple[str, Any]:
         machine: Json = {"model": value.model} if value.model else {}
         machine |= {} if value.kinematics is None else {"kinematics": _NAMED.plain(value.kinematics)[1]}
         machine |= {"rapids": value.rapids, "axes": {axis.letter: plain_axis(axis) for axis in value.built_in_axes}}
-        machine |= {"nose": [f"{at / MM:.10g} mm" for at in value.nose]} if any(value.nose) else {}
-        return "", machine | {"base": Record(Place, "a place").plain(value.base)[1]}
+        return "", machine | _plain_nose(value.nose) | {"base": Record(Place, "a place").plain(value.base)[1]}
+
+
+def _plain_nose(nose: canon.Point) -> Json:
+    """The entry of a spindle nose; none where it is at machine zero."""
+    return {"nose": [f"{at / MM:.10g} mm" for at in nose]} if any(nose) else {}
 
 
 def is_lathe(machine: object) -> bool:

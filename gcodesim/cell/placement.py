@@ -20,7 +20,7 @@ from gcodesim.arithmetic.matrices import multiplied
 from gcodesim.canon.systems import SYSTEMS, system_index
 from gcodesim.cell.cell import MAIN, Cell
 from gcodesim.cell.channel import Channel
-from gcodesim.cell.machine import MachineTool
+from gcodesim.cell.machine import MachineTool, is_lathe
 from gcodesim.cell.orientation import Orientation
 from gcodesim.cell.placing import Carried
 from gcodesim.cell.placing import Place as Standing
@@ -130,7 +130,7 @@ def place(cell: Cell, channel: str = MAIN) -> Placement:
                 Diagnostic(
                     code="GS726",
                     span=cell.channel_span(channel, "work_offsets", name),
-                    severity=Severity.ERROR if getattr(mover, "lathe", False) else None,
+                    severity=Severity.ERROR if is_lathe(mover) else None,
                     message=f"{name} is tilted by {tilt:.6g} deg against the Z axis of the machine; "
                     "the program runs in it, but most controls only shift work systems and turn them about Z",
                     hint="a plane that the program lays (G68.2) does the same there, or turn the frame of the work",
@@ -139,7 +139,7 @@ def place(cell: Cell, channel: str = MAIN) -> Placement:
     waiting = {name: stock for name, stock in cell.stocks.items() if stock.place.frame is None}
     automatic = bool(mover.axes and waiting) and not own.work_offsets
     if automatic:
-        offsets[1], note = (_before_chuck if getattr(mover, "lathe", False) else _automatic)(cell, mover)
+        offsets[1], note = (_before_chuck if is_lathe(mover) else _automatic)(cell, mover)
         findings.append(note)
     elif mover.axes and not own.work_offsets:
         findings += _at_machine_zero(cell)
@@ -282,7 +282,7 @@ def _corners_without_place(cell: Cell) -> Array:
 
 def _before_chuck(cell: Cell, machine: MachineTool | Robot) -> tuple[Pose, Diagnostic]:
     """G54 of a lathe for stock without a place: on the spindle's axis, the stock's lower end at the chuck."""
-    nose = np.array(getattr(machine, "nose", (0.0, 0.0, 0.0)))
+    nose = (machine.X_WM.inverse() @ machine.X_WB).p
     p = np.round(nose + np.array([0.0, 0.0, CHUCK_FACE - _corners_without_place(cell)[:, 2].min()]), 9) + 0.0
     note = Diagnostic(
         code="GS725",

@@ -17,15 +17,18 @@ from gcodesim.executor.targets import parting_of
 from gcodesim.frames import WORLD, Array, Pose
 from gcodesim.frozen import frozen
 from gcodesim.shop import PlacedStock, Shop, skin_of
+from gcodesim.solids import Box, triangles_of
 from gcodesim.solids.mass import mass_of_skin
-from gcodesim.solids.resting import SUNK, gap_below
+from gcodesim.solids.mesh_file import Triangles
+from gcodesim.solids.resting import Ground, gap_below, is_bare_below
 from gcodesim.world import fall_of
-from gcodesim.world.falling import Below, Drop
+from gcodesim.world.falling import Drop
 from gcodesim.world.protocol import STANDARD_GRAVITY
 
 if TYPE_CHECKING:
     from gcodesim.executor.freeing import Freed
-    from gcodesim.scene import Body
+    from gcodesim.material.piece_shape import PieceShape
+    from gcodesim.scene import Scene
 
 SET_DOWN: Final = 0.5e-3
 """A piece that is freed at most this far [m] above something stays where it is, on that."""
@@ -38,8 +41,6 @@ STILL: Final = 20e-6
 
 DENSITY: Final = 1000.0
 """[kg/m³] of a piece whose stock has none: how a single body falls does not depend on it."""
-
-Skin = tuple[Array, NDArray[np.int32]]
 
 
 @frozen(eq=False)
@@ -55,7 +56,7 @@ class LooseBody:
     name: str
     mover: str
     freed: Freed
-    skin: Skin
+    skin: Triangles
     begin: int
     X_W: Array
     fall: Array
@@ -86,7 +87,7 @@ class LooseBodies:
         for placed in self._stocks.values():
             parting_of(placed.stock).bodies = True
         self._fixtures = {
-            body.name: _skin(body) for body in shop.scene.bodies if body.role == "fixture" and body.solids
+            body.name: skin_of(body) for body in shop.scene.bodies if body.role == "fixture" and body.solids
         }
         self._floor = self._lowest(shop)
         self._stands_on_floor = {name: self._floats(shop, placed) for name, placed in self._stocks.items()}
@@ -96,16 +97,15 @@ class LooseBodies:
         """The height [m] of the lowest thing there is."""
         heights = [float(mover.X_WB.p[2]) for mover in shop.scene.movers.values()]
         scene, stocks = shop.scene, self._stocks.values()
-        heights += [_lowest_point(_moved(skin, scene.at_rest(name))) for name, skin in self._fixtures.items()]
-        heights += [float(_corners(placed, scene.at_rest(placed.frame))[:, 2].min()) for placed in stocks]
+        heights += [skin.moved(scene.at_rest(name)).lowest for name, skin in self._fixtures.items()]
+        heights += [_box_around(placed, scene.at_rest(placed.frame)).lowest for placed in stocks]
         return min(heights)
 
     def _floats(self, shop: Shop, placed: PlacedStock) -> bool:
         """Whether nothing is drawn below a stock, which then stands on something level that nobody has drawn."""
         scene = shop.scene
-        corners = _corners(placed, scene.at_rest(placed.frame))
-        fixtures = {name: _moved(skin, scene.at_rest(name)) for name, skin in self._fixtures.items()}
-        return gap_below((corners, _BOX), fixtures, -1e9)[0] > SUNK
+        fixtures = {name: skin.moved(scene.at_rest(name)) for name, skin in self._fixtures.items()}
+        return is_bare_below(_box_around(placed, scene.at_rest(placed.frame)), fixtures)
 
     def fall(
         self, shop: Shop, freed: Iterable[tuple[int, Freed]], begin: NDArray[np.int64], q: Mapping[str, Array]
@@ -127,29 +127,13 @@ class LooseBodies:
         placed, shape, scene = self._stocks[freed.name], freed.piece.body, shop.scene
         assert shape is not None
         X_WS = scene.track(placed.frame, q)[0]
-        skin = _moved(shape.skin, Pose.from_matrix(X_WS))
-        poses = {name: scene.track(name, q)[0] for name in self._fixtures}
-        others = {name: _moved(own, Pose.from_matrix(poses[name])) for name, own in self._fixtures.items()}
-        poses[placed.frame] = X_WS
-        others[placed.frame] = _moved(shape.rest, Pose.from_matrix(X_WS))
-        for lying in self.bodies:
-            X_WP = multiplied(scene.track(lying.parent, q)[0], lying.X.matrix)
-            others[lying.name] = _moved(lying.skin, Pose.from_matrix(X_WP))
         own_floor = self._stands_on_floor[placed.name] and abs(abs(float(X_WS[2, 2])) - 1.0) < UPRIGHT
-        bottom = float(_corners(placed, Pose.from_matrix(X_WS))[:, 2].min())
-        floor = bottom if own_floor else self._floor
-        others = {name: own for name, own in others.items() if len(own[1])}
-        height, support = gap_below(skin, others, floor)
-        rows, end = np.zeros((0, 4, 4)), X_WS
-        if height > SET_DOWN:
-            mass = mass_of_skin(*shape.skin, DENSITY * freed.piece.volume)
-            drop = Drop(shape.skin, mass, X_WS, np.zeros(3), shape.boxes)
-            rows = self._fall(drop, Below(others, floor, height), np.array(STANDARD_GRAVITY), self._dt)
-            rows = _until_still(rows, shape.skin[0])
-            end = rows[-1]
-            _, support = gap_below(_moved(shape.skin, Pose.from_matrix(end)), others, floor)
-        parents = {body.name: body.parent for body in self.bodies} | {name: name for name in poses}
-        parent = parents.get(support, placed.frame if own_floor else WORLD)
+        floor = _box_around(placed, Pose.from_matrix(X_WS)).lowest if own_floor else self._floor
+        ground = Ground(others=self._others(scene, placed.frame, shape.rest, q), floor=floor)
+        rows, support = self._landing(shape, DENSITY * freed.piece.volume, X_WS, ground)
+        end = rows[-1] if len(rows) else X_WS
+        parents = {body.name: body.parent for body in self.bodies}
+        parent = parents.get(support, support) if support else placed.frame if own_floor else WORLD
         X_WB = scene.track(parent, q)[0]
         return LooseBody(
             name=f"loose/{len(self.bodies) + 1}",
@@ -162,19 +146,28 @@ class LooseBodies:
             parent=parent,
             X=Pose.from_matrix(multiplied(inverse_pose(X_WB[None])[0], end)),
             support=support,
-            way=_lowest_point(skin) - _lowest_point(_moved(shape.skin, Pose.from_matrix(end))),
+            way=shape.skin.moved(Pose.from_matrix(X_WS)).lowest - shape.skin.moved(Pose.from_matrix(end)).lowest,
             grain=placed.stock.cell,
         )
 
+    def _others(self, scene: Scene, frame: str, rest: Triangles, q: Mapping[str, Array]) -> dict[str, Triangles]:
+        """What a piece may fall onto, in W: fixtures, the `rest` of its stock in its frame, and pieces that lie."""
+        standing = self._fixtures | {frame: rest}
+        others = {name: skin.moved(Pose.from_matrix(scene.track(name, q)[0])) for name, skin in standing.items()}
+        for lying in self.bodies:
+            X_WP = multiplied(scene.track(lying.parent, q)[0], lying.X.matrix)
+            others[lying.name] = lying.skin.moved(Pose.from_matrix(X_WP))
+        return {name: skin for name, skin in others.items() if len(skin.faces)}
 
-_BOX: Final = np.array(
-    [
-        *([0, 1, 2], [1, 3, 2], [4, 6, 5], [5, 6, 7], [0, 4, 1], [1, 4, 5]),
-        *([2, 3, 6], [3, 7, 6], [0, 2, 4], [2, 6, 4], [1, 5, 3], [3, 5, 7]),
-    ],
-    dtype=np.int32,
-)
-"""Triangles over the corners of a box in the order of `itertools.product`."""
+    def _landing(self, shape: PieceShape, mass: float, X_W: Array, ground: Ground) -> tuple[Array, str]:
+        """The poses (n, 4, 4) of the fall of a piece from X_W (4, 4), none if it stays, and what it lies on then."""
+        skin = shape.skin
+        height, support = gap_below(skin.moved(Pose.from_matrix(X_W)), ground)
+        if height <= SET_DOWN:
+            return np.zeros((0, 4, 4)), support
+        drop = Drop(skin, mass_of_skin(skin.points, skin.faces, mass), X_W, np.zeros(3), height, shape.boxes)
+        rows = _until_still(self._fall(drop, ground, np.array(STANDARD_GRAVITY), self._dt), skin.points)
+        return rows, gap_below(skin.moved(Pose.from_matrix(rows[-1])), ground)[1]
 
 
 def _until_still(rows: Array, points: Array) -> Array:
@@ -188,19 +181,7 @@ def _until_still(rows: Array, points: Array) -> Array:
     return kept
 
 
-def _lowest_point(skin: Skin) -> float:
-    return float(skin[0][:, 2].min())
-
-
-def _corners(placed: PlacedStock, X_WS: Pose) -> Array:
-    """The corners (8, 3) [m] in W of the box around a stock at the start."""
-    return X_WS.apply(np.array(list(product(*zip(*placed.stock.bounds, strict=True)))))
-
-
-def _skin(body: Body) -> Skin:
-    skin = skin_of(body)
-    return skin.points, skin.faces
-
-
-def _moved(skin: Skin, X: Pose) -> Skin:
-    return X.apply(skin[0]), skin[1]
+def _box_around(placed: PlacedStock, X_WS: Pose) -> Triangles:
+    """The box, in W, around a stock at the start."""
+    lower, upper = placed.stock.bounds
+    return triangles_of(Box(lower=tuple(lower), upper=tuple(upper))).moved(X_WS)

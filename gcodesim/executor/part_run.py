@@ -19,21 +19,20 @@ from gcodesim.executor.switching import Switching
 from gcodesim.frames import WORLD, Array, Pose
 from gcodesim.frozen import frozen
 from gcodesim.processes.gripping import GRIP, GripEvent, Slid
-from gcodesim.scene import Body, CarriedParts, Fall, Hold, PartChange, Past, Stay
+from gcodesim.scene import CarriedParts, Fall, Hold, PartChange, Past, Stay
 from gcodesim.shop import BODIES, Shop, skin_of
 from gcodesim.solids.mass import MassOfSkin, mass_of_skin
-from gcodesim.solids.resting import SUNK, gap_below
+from gcodesim.solids.mesh_file import Triangles
+from gcodesim.solids.resting import SUNK, Ground, gap_below, is_bare_below
 from gcodesim.tools.gripper import PadFaces
 from gcodesim.world import fall_of
 from gcodesim.world.body import Inertia, ToolBody
 from gcodesim.world.contact_hold import ContactHold, Press
-from gcodesim.world.falling import Below, Drop
+from gcodesim.world.falling import Drop
 from gcodesim.world.protocol import STANDARD_GRAVITY
 
 SET_DOWN: Final = 0.5e-3
 """A part that is let go at most this far [m] above something is set down on it; from higher up it falls."""
-
-Skin = tuple[Array, NDArray[np.int32]]
 
 
 @frozen(eq=False)
@@ -74,12 +73,13 @@ class PartRun:
         self.planned, self.ran = CarriedParts(shop.scene, moving), CarriedParts(shop.scene, moving)
         self.names = tuple(self.planned.bodies)
         self.gravity = np.array(STANDARD_GRAVITY)
-        self.skins = {name: _skin_of(body) for name, body in self.planned.bodies.items()}
+        self.skins = {name: skin_of(body) for name, body in self.planned.bodies.items()}
         self.masses: dict[str, MassOfSkin] = {
-            name: mass_of_skin(*self.skins[name], body.mass or 0.0) for name, body in self.planned.bodies.items()
+            name: mass_of_skin(skin.points, skin.faces, self.planned.bodies[name].mass or 0.0)
+            for name, skin in self.skins.items()
         }
         self._fixtures = {
-            body.name: _skin_of(body)
+            body.name: skin_of(body)
             for body in shop.scene.bodies
             if body.role in ("fixture", "obstacle") and body.solids
         }
@@ -95,16 +95,16 @@ class PartRun:
     def _levels(self) -> tuple[float, ...]:
         """Heights [m] of level floors: the lowest thing there is, and what parts stand on that nobody has drawn."""
         scene = self.shop.scene
-        fixtures = {name: _moved(skin, scene.at_rest(name)) for name, skin in self._fixtures.items()}
-        lying = {name: _moved(skin, self._start[name]) for name, skin in self.skins.items()}
-        lowest = [float(points[:, 2].min()) for points, _ in (*fixtures.values(), *lying.values())]
+        fixtures = {name: skin.moved(scene.at_rest(name)) for name, skin in self._fixtures.items()}
+        lying = {name: skin.moved(self._start[name]) for name, skin in self.skins.items()}
+        lowest = [skin.lowest for skin in (*fixtures.values(), *lying.values())]
         levels = {min([*lowest, *(float(mover.X_WB.p[2]) for mover in scene.movers.values())])}
-        goals = {name: _moved(skin, goal) for name, skin in self.skins.items() if (goal := self.goal(name)) is not None}
+        goals = {name: skin.moved(goal) for name, skin in self.skins.items() if (goal := self.goal(name)) is not None}
         for skins in (lying, goals):
             for name, skin in skins.items():
                 below = fixtures | {other: own for other, own in lying.items() if other != name}
-                if gap_below(skin, below, -1e9)[0] > SUNK:
-                    levels.add(float(skin[0][:, 2].min()))
+                if is_bare_below(skin, below):
+                    levels.add(skin.lowest)
         return tuple(sorted(levels))
 
     def _lay_on_devices(self) -> None:
@@ -141,38 +141,35 @@ class PartRun:
         `poses` (4, 4) are where everything else is. The name of a body is empty for a floor. Without `settle` it
         stays where it is.
         """
-        skin = _moved(self.skins[name], Pose.from_matrix(X_W))
-        others = {n: _moved(own, Pose.from_matrix(poses[n])) for n, own in {**self._fixtures, **self.skins}.items()}
+        skin = self.skins[name].moved(Pose.from_matrix(X_W))
+        others = {n: own.moved(Pose.from_matrix(poses[n])) for n, own in {**self._fixtures, **self.skins}.items()}
         riders = {name, *self.planned.riders(name, step)}
         others = {n: own for n, own in others.items() if n not in riders}
-        height, support = self._gap(skin, others)
+        ground = Ground(others=others, floor=self._floor_below(skin))
+        height, support = gap_below(skin, ground)
         if height <= SET_DOWN or not settle:
             end = X_W.copy()
             end[2, 3] -= height if settle else 0.0
             track = None
         else:
-            drop = Drop(self.skins[name], self.masses[name], X_W, velocity)
-            below = Below(others, self._floor_below(skin), height)
-            rows = fall_of(self.world_name)(drop, below, self.gravity, self.dt)
+            drop = Drop(self.skins[name], self.masses[name], X_W, velocity, height)
+            rows = fall_of(self.world_name)(drop, ground, self.gravity, self.dt)
             end, track = rows[-1], Fall(step=step, X=rows)
             if self.world_name != "kinematic":
-                support = self._gap(_moved(self.skins[name], Pose.from_matrix(end)), others)[1]
+                landed = self.skins[name].moved(Pose.from_matrix(end))
+                support = gap_below(landed, replace(ground, floor=self._floor_below(landed)))[1]
         parent = support or BODIES
         X_WS = self.devices.frames[parent](step, 1)[0] if parent in self.devices.frames else poses[parent]
         X = Pose.from_matrix(multiplied(inverse_pose(X_WS[None])[0], end))
         room = inf
         if parent in self.devices.frames and self.devices.devices[parent].speed > 0.0:
             X_DP = multiplied(inverse_pose(poses[parent][None])[0], end)
-            front = float(_moved(self.skins[name], Pose.from_matrix(X_DP))[0][:, 0].max())
-            room = max(float(self._fixtures[parent][0][:, 0].max()) - front, 0.0)
+            front = float(self.skins[name].moved(Pose.from_matrix(X_DP)).points[:, 0].max())
+            room = max(float(self._fixtures[parent].points[:, 0].max()) - front, 0.0)
         return PartChange(hold=Hold(step=step, body=name, parent=parent, X=X), fall=track, room=room), height, support
 
-    def _floor_below(self, skin: Skin) -> float:
-        bottom = float(skin[0][:, 2].min())
-        return max((level for level in self._floors if level <= bottom + SUNK), default=self._floors[0])
-
-    def _gap(self, skin: Skin, others: Mapping[str, Skin]) -> tuple[float, str]:
-        return gap_below(skin, others, self._floor_below(skin))
+    def _floor_below(self, skin: Triangles) -> float:
+        return max((level for level in self._floors if level <= skin.lowest + SUNK), default=self._floors[0])
 
     def frames_at(self, step: int, q: Mapping[str, Array]) -> dict[str, Array]:
         """X_WF (4, 4) of fixtures, parts and `BODIES` at the end of a step, with joints `q[mover]` (1, j)."""
@@ -320,7 +317,7 @@ class PartsInWindow:
         self.let_go_at.clear()
         self._run.planned.forget(self._first)
 
-    def skin(self, name: str) -> Skin:
+    def skin(self, name: str) -> Triangles:
         return self._run.skins[name]
 
     def center(self, name: str) -> Array:
@@ -443,12 +440,3 @@ def angle_between(one: Array, other: Array) -> float:
     sine = 0.5 * norm(skew)
     cosine = 0.5 * (float(np.trace(R)) - 1.0)
     return sine if cosine > 0.999999 else float(acos(np.clip(cosine, -1.0, 1.0)))
-
-
-def _skin_of(body: Body) -> Skin:
-    skin = skin_of(body)
-    return skin.points, skin.faces
-
-
-def _moved(skin: Skin, X: Pose) -> Skin:
-    return X.apply(skin[0]), skin[1]

@@ -17,7 +17,7 @@ from gcodesim.frames import Array, Pose
 from gcodesim.planning.switched import history_of, switches_of
 from gcodesim.scene import Body, Stand, Stay
 from gcodesim.shop import Shop, side_by_side
-from gcodesim.solids import Mesh, Placed, Triangles, triangles_of
+from gcodesim.solids import Mesh, Placed, triangles_of
 from gcodesim.tools.gripper import Gripper
 
 if TYPE_CHECKING:
@@ -40,14 +40,7 @@ _KEYS: Final = {"part": "parts", "device": "devices", "fixture": "fixtures", "st
 
 def _with_loose(shop: Shop, loose: Sequence[LooseBody]) -> Shop:
     """A shop in whose scene are the pieces that came loose, where they lie."""
-    bodies = [
-        Body(
-            name=each.name,
-            solids=(Placed(Mesh(source=Triangles(points=each.skin[0], faces=each.skin[1]))),),
-            role="loose",
-        )
-        for each in loose
-    ]
+    bodies = [Body(name=each.name, solids=(Placed(Mesh(source=each.skin)),), role="loose") for each in loose]
     stands = {each.name: Stand(each.parent, each.X) for each in loose}
     scene = shop.scene.with_frames(stands)
     return replace(shop, scene=replace(scene, bodies=(*scene.bodies, *bodies)))

@@ -8,13 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.material.field_kernels import Columns, Grid
+from gcodesim.solids.mesh_file import Triangles
 
 if TYPE_CHECKING:
     from gcodesim.material.stock import Stock
 
 Array = NDArray[np.float64]
-Ints = NDArray[np.int32]
-Skin = tuple[Array, Ints]
 
 BANDS: Final = 32
 """Boxes along x that fill a piece: an engine asks each of them in each step of its fall."""
@@ -26,14 +25,14 @@ _RIM: Final = 2  # columns beside a piece that are kept, so that its walls are d
 
 
 class PieceShape(NamedTuple):
-    """A piece in S: its skin (points (v, 3) [m], triangles (t, 3)), and `boxes` (b, 2, 3) [m] within it.
+    """A piece in S: its skin, and `boxes` (b, 2, 3) [m] within it.
 
     `rest` is the skin of the stock without it, around it as far as it is long.
     """
 
-    skin: Skin
+    skin: Triangles
     boxes: Array
-    rest: Skin
+    rest: Triangles
 
 
 def piece_shape(piece: Stock, rest: Stock, low: Array, high: Array) -> PieceShape:
@@ -47,9 +46,9 @@ def piece_shape(piece: Stock, rest: Stock, low: Array, high: Array) -> PieceShap
     )
 
 
-def _skin(stock: Stock, spacing: float) -> Skin:
+def _skin(stock: Stock, spacing: float) -> Triangles:
     surface = stock.surface(spacing)
-    return surface.vertices, surface.faces.astype(np.int32, copy=False)
+    return Triangles(points=surface.vertices, faces=surface.faces.astype(np.int32, copy=False))
 
 
 def _around(stock: Stock, low: Array, high: Array, room: float) -> Stock:

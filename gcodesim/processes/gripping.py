@@ -26,6 +26,7 @@ from gcodesim.tools.grip_laws import load_of
 
 if TYPE_CHECKING:
     from gcodesim.processes.materials import Material
+    from gcodesim.solids.mesh_file import Triangles
     from gcodesim.tools.gripper import Gripper, PadFaces
 
 Array = NDArray[np.float64]
@@ -81,8 +82,8 @@ class PartsAtHand(Protocol):
     names: tuple[str, ...]
     gravity: Array
 
-    def skin(self, name: str) -> tuple[Array, NDArray[np.int32]]:
-        """Points (v, 3) [m] and triangles (t, 3) in the part's frame P."""
+    def skin(self, name: str) -> Triangles:
+        """In the part's frame P."""
 
     def center(self, name: str) -> Array:
         """Its centre of mass (3,) [m] in P."""
@@ -280,9 +281,9 @@ class _Shift:
         found: list[Found] = []
         wide: tuple[float, str] | None = None
         for index, name in enumerate(parts.names):
-            points, faces = parts.skin(name)
+            body = parts.skin(name)
             X_TP = multiplied(X_TW, parts.poses(name)[k])
-            skin = (applied(X_TP[:3, :3], points) + X_TP[:3, 3])[faces]
+            skin = (applied(X_TP[:3, :3], body.points) + X_TP[:3, 3])[body.faces]
             contact = self.gripper.contacts(skin, float(v[5]))
             if contact is not None:
                 off = float(np.abs(contact[0][:, :3].mean(axis=0)).max())

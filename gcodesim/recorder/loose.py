@@ -49,10 +49,9 @@ class LoosePieces:
     def _entity(self, body: LooseBody, t_ns: int) -> Entity:
         X_WP = body.at(t_ns // self._step_ns)
         frame, X = self._carrier(body) if X_WP is None else (WORLD, Pose.from_matrix(X_WP))
-        points, triangles = body.skin
-        return Entity(
-            id=body.name, frame=frame, shapes=(DrawnMesh(points=points, triangles=triangles, p=X.p, q=X.q, color=CUT),)
-        )
+        points, triangles = body.skin.points, body.skin.faces
+        drawn = DrawnMesh(points=points, triangles=triangles, p=X.p, q=X.q, color=CUT)
+        return Entity(id=body.name, frame=frame, shapes=(drawn,))
 
     def _carrier(self, body: LooseBody) -> tuple[str, Pose]:
         """The frame of the log with which a piece goes that lies, and where it is in it."""

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.extras import ExtraMissingError, require_extra
-from gcodesim.frames import Array
+from gcodesim.frames import Array, Pose
 from gcodesim.frozen import frozen
 from gcodesim.solids.obj_file import counted_from_one
 
@@ -30,6 +30,15 @@ class Triangles:
 
     points: Array
     faces: Faces
+
+    @property
+    def lowest(self) -> float:
+        """The height [m] of its lowest point."""
+        return float(self.points[:, 2].min())
+
+    def moved(self, X: Pose) -> Triangles:
+        """The same as it is seen from A, at X_AB."""
+        return Triangles(points=X.apply(self.points), faces=self.faces)
 
 
 @frozen

@@ -6,9 +6,10 @@ from collections.abc import Mapping
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from gcodesim.frames import Array
+from gcodesim.frozen import frozen
+from gcodesim.solids.mesh_file import Faces, Triangles
 
 LINES: Final = 24
 """Vertical lines along each side of the body's outline seen from above; its corners have a line each besides."""
@@ -19,24 +20,35 @@ LEVEL: Final = 1e-9
 SUNK: Final = 2e-3
 """[m] by which a support may reach into a body and still be below it."""
 
-Skin = tuple[Array, NDArray[np.int32]]
-"""Points (v, 3) [m] in the world and triangles (t, 3)."""
+
+@frozen(eq=False)
+class Ground:
+    """What a body may come to lie on: the skins of `others` in the world, and a level floor at height `floor` [m]."""
+
+    others: Mapping[str, Triangles]
+    floor: float
 
 
-def gap_below(body: Skin, supports: Mapping[str, Skin], floor: float) -> tuple[float, str]:
-    """How far [m] a body can go down, and the name of what it then lies on; "" is the floor at height `floor`.
+def is_bare_below(body: Triangles, others: Mapping[str, Triangles]) -> bool:
+    """Whether none of `others` is below a body."""
+    return gap_below(body, Ground(others=others, floor=-1e9))[0] > SUNK
+
+
+def gap_below(body: Triangles, ground: Ground) -> tuple[float, str]:
+    """How far [m] a body can go down, and the name of what it then lies on; "" is the floor.
 
     Exact for level faces; elsewhere as good as the grid of lines. Never below 0.
     """
-    points, faces = body
+    points, faces = body.points, body.faces
     low, high = points.min(axis=0), points.max(axis=0)
     share = (np.arange(LINES) + 0.5) / LINES
     x, y = np.meshgrid(low[0] + share * (high[0] - low[0]), low[1] + share * (high[1] - low[1]), indexing="ij")
     inner = points[:, :2] + 1e-6 * (0.5 * (low + high)[:2] - points[:, :2])
     lines = np.concatenate([np.column_stack([x.ravel(), y.ravel()]), inner])
     bottom = _extreme(points, faces, lines, highest=False)
-    best, name = float(low[2]) - floor, ""
-    for other, (corners, triangles) in supports.items():
+    best, name = float(low[2]) - ground.floor, ""
+    for other, skin in ground.others.items():
+        corners, triangles = skin.points, skin.faces
         at = corners[triangles]
         near = (at[:, :, :2].min(axis=1) <= high[:2]).all(axis=1) & (at[:, :, :2].max(axis=1) >= low[:2]).all(axis=1)
         if not near.any() or float(at[near][:, :, 2].min()) > high[2]:
@@ -50,9 +62,7 @@ def gap_below(body: Skin, supports: Mapping[str, Skin], floor: float) -> tuple[f
     return max(best, 0.0), name
 
 
-def _extreme(
-    points: Array, faces: NDArray[np.int32], lines: Array, *, highest: bool, below: Array | None = None
-) -> Array:
+def _extreme(points: Array, faces: Faces, lines: Array, *, highest: bool, below: Array | None = None) -> Array:
     """Height (n,) at which each vertical line (n, 2) meets triangles: the highest up to `below`, or the lowest.
 
     Lines that meet none have -inf or inf.

@@ -15,8 +15,8 @@ import numpy as np
 from gcodesim.arithmetic.matrices import applied, norm
 from gcodesim.frames import Array, quaternion_from_rotation, rotation_from_quaternion
 from gcodesim.solids.mass import MassOfSkin
+from gcodesim.solids.mesh_file import Triangles
 from gcodesim.tools.gripper import PadFaces
-from gcodesim.world.falling import Skin
 
 FINEST: Final = 1e-3  # [s] that a step of the engine lasts at most
 SETTLING: Final = 40  # steps in which the pads press before anything pulls: contacts need some to be found
@@ -44,7 +44,7 @@ class ContactHold:
     Each pad presses with a force [N], and has friction with the part.
     """
 
-    def __init__(self, body: Skin, mass: MassOfSkin, X_TP: Array, press: Press, dt: float) -> None:
+    def __init__(self, body: Triangles, mass: MassOfSkin, X_TP: Array, press: Press, dt: float) -> None:
         self._body, self._mass, self._X, self._press, self._dt = body, mass, X_TP.copy(), press, dt
         self._loads: list[Array] = []  # (3,) of each step since it was taken
 
@@ -75,7 +75,7 @@ Rows = list[tuple[tuple[float, ...], tuple[float, ...]]]
 
 
 def _slid(
-    p: Any, client: int, body: Skin, mass: MassOfSkin, X_TP: Array, press: Press, loads: Array, dt: float
+    p: Any, client: int, body: Triangles, mass: MassOfSkin, X_TP: Array, press: Press, loads: Array, dt: float
 ) -> tuple[Rows, int | None]:
     """Centre of mass and quaternion at the ends of steps, and the step in which the part is lost."""
     parts = max(ceil(dt / FINEST - 1e-9), 1)
@@ -127,9 +127,9 @@ def _slid(
     return rows, None
 
 
-def _part(p: Any, client: int, body: Skin, mass: MassOfSkin, X_TP: Array) -> int:
+def _part(p: Any, client: int, body: Triangles, mass: MassOfSkin, X_TP: Array) -> int:
     """The part as the convex hull of its skin; a box stays one, since boxes touch with whole faces."""
-    local = body[0] - mass.center
+    local = body.points - mass.center
     low, high = local.min(axis=0), local.max(axis=0)
     square = np.minimum(np.abs(local - low), np.abs(local - high)).max() < _SQUARE
     if square and norm(low + high) < _SQUARE:

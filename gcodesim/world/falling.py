@@ -6,17 +6,16 @@ Nothing but the part moves meanwhile; what it may hit stands as it does in the s
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Final, NamedTuple, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from gcodesim.arithmetic.matrices import applied, norm
-from gcodesim.frames import Array, quaternion_from_rotation, rotation_from_quaternion
+from gcodesim.frames import Array, Pose, quaternion_from_rotation, rotation_from_quaternion
 from gcodesim.solids.mass import MassOfSkin
-from gcodesim.solids.resting import gap_below
+from gcodesim.solids.mesh_file import Triangles
+from gcodesim.solids.resting import Ground, gap_below
 
 LONGEST: Final = 4.0  # s; what rolls for longer is stopped
 CALM: Final = 0.1  # s of rest after which a body lies
@@ -30,39 +29,31 @@ _BOX_FACES: Final = (
     *((2, 6, 3), (3, 6, 7), (0, 4, 2), (2, 4, 6), (1, 3, 5), (3, 7, 5)),
 )
 
-Skin = tuple[Array, NDArray[np.int32]]
-
 
 class Drop(NamedTuple):
     """A part that begins to fall: its skin `body` in P, at `X_W` (4, 4) with `velocity` (3,) [m/s].
 
-    `boxes` (b, 2, 3) [m] in P stand for it in the engine; None: the convex hull of its skin.
+    `height` [m] is its way straight down. `boxes` (b, 2, 3) [m] in P stand for it in the engine; None: the convex hull
+    of its skin.
     """
 
-    body: Skin
+    body: Triangles
     mass: MassOfSkin
     X_W: Array
     velocity: Array
-    boxes: Array | None = None
-
-
-class Below(NamedTuple):
-    """What a part may land on: skins of `others` in W, a level floor at height `floor`; `height` is the way down."""
-
-    others: Mapping[str, Skin]
-    floor: float
     height: float
+    boxes: Array | None = None
 
 
 class FallOf(Protocol):
     """X_WP (n, 4, 4) of a part at the ends of the steps of its fall, `dt` [s] each; the last is where it lies."""
 
-    def __call__(self, drop: Drop, below: Below, gravity: Array, dt: float) -> Array: ...
+    def __call__(self, drop: Drop, ground: Ground, gravity: Array, dt: float) -> Array: ...
 
 
-def straight_down(drop: Drop, below: Below, gravity: Array, dt: float) -> Array:
+def straight_down(drop: Drop, ground: Ground, gravity: Array, dt: float) -> Array:
     """By the rule of the kinematic world: it keeps its attitude, falls freely by `height`, and lies where it lands."""
-    pull, height, X_W = norm(gravity), below.height, drop.X_W
+    pull, height, X_W = norm(gravity), drop.height, drop.X_W
     steps = max(int(np.ceil(np.sqrt(2.0 * height / pull) / dt)), 1)
     t = dt * np.arange(1, steps + 1)
     X = np.tile(X_W, (steps, 1, 1))
@@ -71,7 +62,7 @@ def straight_down(drop: Drop, below: Below, gravity: Array, dt: float) -> Array:
     return X
 
 
-def free_fall(drop: Drop, below: Below, gravity: Array, dt: float) -> Array:
+def free_fall(drop: Drop, ground: Ground, gravity: Array, dt: float) -> Array:
     """As a free body in a world of its own, until it lies still."""
     from gcodesim.world.bullet import import_pybullet
 
@@ -79,22 +70,20 @@ def free_fall(drop: Drop, below: Below, gravity: Array, dt: float) -> Array:
     client = p.connect(p.DIRECT)
     try:
         with tempfile.TemporaryDirectory(prefix="gcodesim-") as scratch:
-            rows = _fallen(p, client, drop, below, gravity, dt, Path(scratch))
+            rows = _fallen(p, client, drop, ground, gravity, dt, Path(scratch))
     finally:
         p.disconnect(client)
     X = np.tile(np.eye(4), (len(rows), 1, 1))
     X[:, :3, :3] = rotation_from_quaternion(np.array([q for _, q in rows]))
     X[:, :3, 3] = np.array([c for c, _ in rows]) - applied(X[:, :3, :3], drop.mass.center)
-    points, faces = drop.body
-    points = applied(X[-1, :3, :3], points) + X[-1, :3, 3]
-    left, _ = gap_below((points, faces), below.others, below.floor)
+    left, _ = gap_below(drop.body.moved(Pose.from_matrix(X[-1])), ground)
     if left <= _LEVEL:
         X[-1, 2, 3] -= left
     return X
 
 
 def _fallen(
-    p: Any, client: int, drop: Drop, below: Below, gravity: Array, dt: float, scratch: Path
+    p: Any, client: int, drop: Drop, ground: Ground, gravity: Array, dt: float, scratch: Path
 ) -> list[tuple[tuple[float, ...], tuple[float, ...]]]:
     """Centre of mass and quaternion at the ends of the steps; `scratch` is a folder for files."""
     p.setPhysicsEngineParameter(
@@ -102,12 +91,12 @@ def _fallen(
     )
     p.setGravity(*gravity.tolist(), physicsClientId=client)
     plane = p.createCollisionShape(p.GEOM_PLANE, planeNormal=[0, 0, 1], physicsClientId=client)
-    standing = [p.createMultiBody(0.0, plane, basePosition=[0.0, 0.0, below.floor], physicsClientId=client)]
-    for points, faces in below.others.values():
+    standing = [p.createMultiBody(0.0, plane, basePosition=[0.0, 0.0, ground.floor], physicsClientId=client)]
+    for skin in ground.others.values():
         shape = p.createCollisionShape(
             p.GEOM_MESH,
-            vertices=points.tolist(),
-            indices=faces.ravel().tolist(),
+            vertices=skin.points.tolist(),
+            indices=skin.faces.ravel().tolist(),
             flags=p.GEOM_FORCE_CONCAVE_TRIMESH,
             physicsClientId=client,
         )
@@ -139,7 +128,7 @@ def _fallen(
 def _shape(p: Any, client: int, drop: Drop, scratch: Path) -> int:
     """The collision shape of a part about its centre of mass."""
     if drop.boxes is None or not len(drop.boxes):
-        local = drop.body[0] - drop.mass.center
+        local = drop.body.points - drop.mass.center
         return int(p.createCollisionShape(p.GEOM_MESH, vertices=local.tolist(), physicsClientId=client))
     path = scratch / "boxes.obj"  # as arguments, the engine takes no more than 16
     path.write_text("".join(_obj_lines(drop.boxes - drop.mass.center)), encoding="ascii")

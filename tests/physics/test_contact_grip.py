@@ -11,6 +11,7 @@ import trimesh
 
 import gcodesim
 from gcodesim.solids.mass import mass_of_skin
+from gcodesim.solids.mesh_file import Triangles
 from gcodesim.tools.gripper import PadFaces
 from gcodesim.world.contact_hold import ContactHold, Press
 
@@ -21,10 +22,10 @@ PADS = PadFaces(left=-0.02, right=0.02, width=0.02, length=0.04, thickness=0.01)
 def _slide(share: float, steps: int) -> np.ndarray:
     """Way (n,) [m] of a block between two pads that is pulled along Z by `share` of what friction holds."""
     block = trimesh.creation.box(extents=(0.04, 0.06, 0.05))
-    skin = (np.array(block.vertices), np.array(block.faces, dtype=np.int32))
+    skin = Triangles(points=np.array(block.vertices), faces=np.array(block.faces, dtype=np.int32))
     X_TP = np.eye(4)
     X_TP[2, 3] = -0.02
-    hold = ContactHold(skin, mass_of_skin(*skin, MASS), X_TP, Press(PADS, FORCE, FRICTION), DT)
+    hold = ContactHold(skin, mass_of_skin(skin.points, skin.faces, MASS), X_TP, Press(PADS, FORCE, FRICTION), DT)
     loads = np.tile([0.0, 0.0, share * 2.0 * FRICTION * FORCE], (steps, 1))
     rows, lost = hold.run(0, loads)
     assert lost is None

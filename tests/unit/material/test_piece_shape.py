@@ -9,6 +9,7 @@ from gcodesim.material.loose import PartedPiece, Parting
 from gcodesim.material.loose_kernels import BodyWays
 from gcodesim.material.shape import flat
 from gcodesim.material.stock import Stock
+from gcodesim.solids.mesh_file import Triangles
 
 MM = 1e-3
 
@@ -38,8 +39,8 @@ def plate() -> Stock:
     return Stock.box((0.0, 0.0, -5 * MM), (60 * MM, 40 * MM, 0.0), 0.25 * MM)
 
 
-def volume(skin: tuple[np.ndarray, np.ndarray]) -> float:
-    a, b, c = (skin[0][skin[1][:, k]] for k in range(3))
+def volume(skin: Triangles) -> float:
+    a, b, c = (skin.points[skin.faces[:, k]] for k in range(3))
     return float((a * np.cross(b, c)).sum() / 6.0)
 
 
@@ -63,7 +64,7 @@ def test_what_is_left_has_nothing_of_the_piece() -> None:
     (disc,) = pieces_of(stock, ring_cut, 10.0)
     assert disc.body is not None
 
-    points = disc.body.rest[0] - np.array([30 * MM, 20 * MM, 0.0])
+    points = disc.body.rest.points - np.array([30 * MM, 20 * MM, 0.0])
     assert np.hypot(points[:, 0], points[:, 1]).min() > 11.2 * MM
 
 
