@@ -110,6 +110,7 @@ def arc_of(words: Words, control: Control, start: Vector, end: Vector, code: int
             f"{who} has neither a centre nor a radius",
             at=who.lower() if who.lower() in words.names else None,
             hint="add I J K or R",
+            lacks="ijkr",
         )
     letters = (_CENTRE_LETTERS[first], _CENTRE_LETTERS[second])
     if control.state.centre_absolute:

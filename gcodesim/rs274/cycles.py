@@ -108,7 +108,7 @@ def _need(sticky: dict[str, float], code: int, who: str, at: str | None, depth_l
         wanted += [("i", "the shift in X"), ("j", "the shift in Y"), ("k", "the height to bore back to")]
     for letter, what in wanted:
         if letter not in sticky:
-            raise Fault("GS140", f"{who} needs the word {letter.upper()}, {what}", at=at)
+            raise Fault("GS140", f"{who} needs the word {letter.upper()}, {what}", at=at, lacks=letter)
 
 
 def _hole(

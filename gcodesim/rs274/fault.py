@@ -25,6 +25,7 @@ class Fault(Exception):  # noqa: N818  (a fault of the user's, never seen outsid
         limit: float | None = None,
         unit: str | None = None,
         span: Span | None = None,
+        lacks: str = "",
     ) -> None:
         super().__init__(message)
         self.code = code
@@ -35,3 +36,4 @@ class Fault(Exception):  # noqa: N818  (a fault of the user's, never seen outsid
         self.limit = limit
         self.unit = unit
         self.span = span
+        self.lacks = lacks

@@ -122,18 +122,18 @@ def beside(outline: Sequence[OutlinePart], distance: float) -> list[OutlinePart]
     for stretch in outline:
         if stretch.length_is_zero:
             continue
-        moved = _moved(stretch, distance)
+        aside = moved(stretch, distance)
         if before is not None:
             corner = _around(before, stretch, distance)
             if corner is not None:
                 _join(kept, corner)
-        if moved is not None:
-            _join(kept, moved)
+        if aside is not None:
+            _join(kept, aside)
         before = stretch
     return kept
 
 
-def _moved(stretch: OutlinePart, distance: float) -> OutlinePart | None:
+def moved(stretch: OutlinePart, distance: float) -> OutlinePart | None:
     """One line or arc, moved to its left; None for an arc that vanishes."""
     if stretch.sense:
         radius = stretch.radius
@@ -169,7 +169,7 @@ def _join(kept: list[OutlinePart], new: OutlinePart) -> None:
         last = kept[count - 1]
         if last.length_is_zero:
             continue
-        meets = [point for point in _meetings(last, new) if _is_on(last, point) and _is_on(new, point)]
+        meets = [point for point in meetings(last, new) if is_on(last, point) and is_on(new, point)]
         if meets:
             point = min(meets, key=last.share_of)
             del kept[count:]
@@ -179,11 +179,12 @@ def _join(kept: list[OutlinePart], new: OutlinePart) -> None:
     kept.append(new)
 
 
-def _is_on(stretch: OutlinePart, point: Point) -> bool:
+def is_on(stretch: OutlinePart, point: Point) -> bool:
+    """Whether a point of its line or circle lies between its ends."""
     return -1e-6 <= stretch.share_of(point) <= 1.0 + 1e-6
 
 
-def _meetings(one: OutlinePart, other: OutlinePart) -> list[Point]:
+def meetings(one: OutlinePart, other: OutlinePart) -> list[Point]:
     """Where the lines or circles of two parts meet."""
     if not one.sense and not other.sense:
         (a, b), (ta, tb), (c, d), (ua, ub) = one.begin, one.way_at(one.begin), other.begin, other.way_at(other.begin)

@@ -44,13 +44,15 @@ def probe(words: Words, control: Control, code: int) -> None:
     state.current = end
 
 
-def tripped(control: Control, event: canon.ProbeMove, reply: canon.Touched | canon.Axes | None) -> Fault | None:
+def tripped(
+    control: Control, event: canon.ProbeMove, reply: canon.Touched | canon.Axes | None, *, meets: bool = True
+) -> Fault | None:
     """Store where the probe tripped and stopped; returns the fault with which a control would stop there.
 
-    A `reply` of axes is both places in one; None: it trips at the programmed end.
+    A `reply` of axes is both places in one; None: it trips at the programmed end, unless it may miss and never `meets`.
     """
     state = control.state
-    tripping = True
+    tripping = reply is not None or meets or event.must_trip
     point = state.current
     if isinstance(reply, canon.Touched):
         tripping = reply.tripped

@@ -68,6 +68,7 @@ class Recovery:
         self.flow = False
         self.frame = False  # where the program's zero lies, or what an offset is
         self.named: set[str] = set()  # parameters that a faulty line names
+        self.letters: set[str] = set()  # all that stand in faulty lines
 
     @property
     def place(self) -> bool:
@@ -89,6 +90,8 @@ class Recovery:
         code = fault.code
         if code == _NOT_FOUND:
             return self.parameters and block is not None and _is_computed(block)
+        if fault.lacks and not self.flow and self.letters.isdisjoint(fault.lacks):
+            return (self.modes or self.motion) and not _says_its_motion(block)
         return (
             (code in _BY_POSITION and (self.modes or not self.axes.isdisjoint("xyz")))
             or (self.feed and code in _BY_FEED)
@@ -142,6 +145,7 @@ class Recovery:
         if (block is not None and block.flow is not None) or _FLOW.match(text):
             self.flow = self.parameters = self.modes = True
             self.axes |= _AXES
+        self.letters |= set(text)
         self.axes |= _AXES if "@" in text or "^" in text else _AXES & set(text)
         if "#" in text:
             self.parameters = True

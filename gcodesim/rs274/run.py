@@ -145,6 +145,7 @@ class Executor:
         self.faults = 0
         self.given_up = False  # the file is in another language
         self._broken_off = False
+        self.probes_meet = True  # what is taken for granted while nobody says where probes trip
         self.told: dict[tuple[str, str], set[tuple[str, int, int]]] = {}  # where each message was given
         self.kinds: dict[str, set[str]] = {}  # messages of the warnings with one code
         self.lanes = Lanes(run.source, settings, self.control, self.flow) if type(self) is Executor else None
@@ -229,7 +230,7 @@ class Executor:
             else:
                 for event in out:
                     if type(event) is canon.ProbeMove:
-                        tripped(control, event, None)
+                        tripped(control, event, None, meets=self.probes_meet)
             out.clear()
         self.blocks += 1
         self._broken_off = self._broken_off or self._exhausted(frame.file, index)
@@ -241,10 +242,11 @@ class Executor:
         """The events of line `index`, and what the caller answers to those that ask."""
         for event in self.control.out:
             if type(event) is canon.ProbeMove or type(event) is canon.Input:
-                self.endless.forget()
                 asked = time.monotonic()
                 self._show_sources()
                 reply = yield event
+                if reply is not None:
+                    self.endless.forget()
                 self._forgive(time.monotonic() - asked)
                 if not self._hear(event, reply, index):
                     break
@@ -283,7 +285,7 @@ class Executor:
         """Store the answer to `event` of line `index`; false if a probe that failed ends the program there."""
         if type(event) is canon.ProbeMove:
             assert not isinstance(reply, canon.Heard)
-            fault = tripped(self.control, event, reply)
+            fault = tripped(self.control, event, reply, meets=self.probes_meet)
             if fault is not None:
                 finding = Diagnostic(code=fault.code, message=fault.message, span=event.span, hint=fault.hint)
                 self._report(finding, index + 1)
@@ -586,6 +588,8 @@ class Executor:
         """Whether the budget of blocks or time is used up after a line of `file`; reported once."""
         limit = self.most_blocks
         if self.run.failed is None and self.endless.is_looking(self.blocks) and self.endless.repeats():
+            if self._lets_probes_miss():
+                return False
             period = self.endless.period
             message = f"the program never ends: after {self.blocks} blocks all is as it was {period} blocks before"
             code, value, unit = "GS134", float(limit), "blocks"
@@ -613,6 +617,14 @@ class Executor:
         self._report(
             Diagnostic(code=code, message=message, span=span, hint=hint, limit=value, unit=unit or None), index + 1
         )
+        return True
+
+    def _lets_probes_miss(self) -> bool:
+        """Take probes that need not trip for missing from now on, if they keep the program from its end."""
+        if not self.probes_meet or self.control.not_simulated.keys().isdisjoint(_MAY_MISS):
+            return False
+        self.probes_meet = False
+        self.endless.forget()
         return True
 
     def _until_look(self) -> int:
@@ -654,6 +666,8 @@ class Executor:
         run.not_simulated = dict(control.not_simulated)
         for word, (count, first) in control.not_simulated.items():
             code, hint = _code_of_skipped(word, control.dialect)
+            if word in _MAY_MISS and not self.probes_meet:
+                hint = _MISSED
             message = f"{word} is read, but not simulated"
             if word == "/":
                 message = "the line is left out because of its slash"
@@ -744,6 +758,11 @@ def _evaluated(block: Block, parameters: Parameters) -> _Assignments:
 
 
 _PROBES = ("G38.2", "G38.3", "G38.4", "G38.5")
+_MAY_MISS = ("G38.3", "G38.5")
+_MISSED = (
+    "what the probe meets is not looked at: it trips at the end of the move, until the program goes in circles so; "
+    "from there on it does not trip"
+)
 _SKIPPED = (
     (("M7", "M8", "M9"), "GS901", "nothing that is simulated depends on coolant"),
     (("M48", "M49", "M50", "M51", "M52", "M53"), "GS902", "feeds and speeds run at 100 %, as nobody turns a knob"),

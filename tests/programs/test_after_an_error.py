@@ -142,3 +142,19 @@ def _all(text: str, settings: Settings) -> list[Diagnostic]:
     for _ in reading.stream():
         pass
     return list(reading.findings)
+
+
+@pytest.mark.parametrize(
+    ("line", "code"),
+    [("G3 X1 Y1", "GS110"), ("G83 X1 Y1 Z-1 R2", "GS140"), ("G81 X1 Y1 Z-1", "GS140")],
+)
+def test_a_word_that_is_missing_is_told_where_nobody_knows_the_position(line: str, code: str) -> None:
+    found = findings_of(f"{HEAD}G1 X5 Y F100\n{line}\nM2\n", "linuxcnc")
+
+    assert [(f.code, f.span.line) for f in found if f.level is Severity.ERROR] == [("GS004", 2), (code, 3)]
+
+
+def test_a_word_that_an_unread_line_may_have_said_is_not_missed() -> None:
+    found = findings_of(f"{HEAD}F100\nG83 X1.2.3 Y Z-1 R2 Q1\nG83 X2\nM2\n", "linuxcnc")
+
+    assert [(f.code, f.span.line) for f in found if f.level is Severity.ERROR] == [("GS005", 3)]

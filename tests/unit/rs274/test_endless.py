@@ -53,3 +53,20 @@ def test_a_loop_that_probes_depends_on_more_than_itself(program):
     done = program(text, max_blocks=30_000)
 
     assert not any("never ends" in f.message for f in done.errors)
+
+
+def test_probes_that_need_not_trip_miss_where_the_program_would_go_in_circles(program):
+    """It backs off until the probe is free, as LinuxCNC's own program for scanning a surface does."""
+    done = program(
+        "G21 F100\n#5070=1\no1 while [#5070 NE 0]\nG38.5 Z10\nG38.3 X5\no1 endwhile\nG38.2 Z-1\nG0 X#5070\nM2"
+    )
+
+    assert not done.errors
+    assert done.ends[-1] == [1, 0, -1]
+    assert all("in circles" in f.hint for f in done.run.findings if f.message.startswith(("G38.3", "G38.5")))
+
+
+def test_probes_alone_are_no_excuse(program):
+    done = program("G21 F100\no1 while [1]\nG38.3 Z-1\nG0 Z0\no1 endwhile\nM2")
+
+    assert found(done) == [("GS134", 2)]
