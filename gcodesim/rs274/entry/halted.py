@@ -20,26 +20,29 @@ if TYPE_CHECKING:
     from gcodesim.rs274.program_file import ProgramFile
 
 _G52: Final = 520
-_CYCLES: Final = frozenset((*(float(code) for code in range(70, 77)), 90.0, 92.0, 94.0))
-_OF_LATHE: Final = frozenset("xzuw")
 _STRAIGHT: Final = (0, 10)
 """G0 and G1: motions that an approach may end with, so that a block without a G word goes on with them."""
 
 
+@frozen
+class Modal:
+    """A G word, ten times its number, that goes on where a block has words of some letters and no G word of motion.
+
+    G words of the numbers `ended_by` end it, too.
+    """
+
+    code: int
+    repeated_by: frozenset[str]
+    ended_by: frozenset[float] = frozenset()
+
+
 @frozen(eq=False)
 class Halted:
-    """The `control` as it is when the line is reached, the `file` of the program, and the calls that led there.
-
-    Where cycles of a lathe stay in force or have two lines: the `cycle` in force (90, 92, 94), and the `prepared` ones,
-    whose first line has been read. `in_face_plane`: it is between G12.1 and G13.1.
-    """
+    """The `control` as it is when the line is reached, the `file` of the program, and the calls that led there."""
 
     control: Control
     file: ProgramFile
     frames: tuple[Frame, ...]
-    cycle: float | None = None
-    prepared: frozenset[float] = frozenset()
-    in_face_plane: bool = False
 
     def inside(self, source: SourceText) -> Halted:
         """The same in the whole program, where what was read ends at the line."""
@@ -56,8 +59,6 @@ class Halted:
             yield "cutter compensation is on, and begins only with a move of its own"
         if state.point_control:
             yield "the control holds the tip of the tool while axes turn (G43.4, G43.5)"
-        if self.in_face_plane:
-            yield "X and C are a plane (polar coordinate interpolation, G12.1)"
         if self.frames[-1].calls_at_moves:
             yield "each move calls a macro (G66)"
         if control.has_figure:
@@ -69,21 +70,20 @@ class Halted:
             yield "it is inside a spline"
         if state.strayed is not None:
             yield "the position after G88 is the operator's"
-        if self._is_second(line):
-            yield "it is the second of two lines of one cycle"
-        if (motion := self._continued(line)) is not None:
-            number, code = motion
-            yield f"line {number} goes on with the {code.upper()} of an earlier line, whose words it needs"
+        yield from self.own_obstacles(line)
+        if (modal := self._in_force()) is not None and (number := self._repeated(line, modal)) is not None:
+            code = g_name(modal.code).upper()
+            yield f"line {number} goes on with the {code} of an earlier line, whose words it needs"
 
-    def _is_second(self, line: int) -> bool:
-        """Whether `line` names a prepared cycle, and the line before it does, too."""
-        if not self.prepared:
-            return False
-        here = self._codes(line - 1) & self.prepared
-        before = next((self._codes(i) for i in range(line - 2, -1, -1) if self.file.lines[i].strip()), frozenset())
-        return bool(here & before)
+    def own_obstacles(self, line: int) -> Iterator[str]:
+        """Those of one kind of machine."""
+        yield from ()
 
-    def _codes(self, index: int) -> frozenset[float]:
+    def cycle(self) -> Modal | None:
+        """A cycle of one kind of machine that is in force."""
+        return None
+
+    def codes(self, index: int) -> frozenset[float]:
         """The numbers of the G words of a line, as far as they are written."""
         try:
             words = self.file.block(index).words
@@ -91,21 +91,23 @@ class Halted:
             return frozenset()
         return frozenset(value for letter, value in words if letter == "g" and isinstance(value, float))
 
-    def _continued(self, line: int) -> tuple[int, str] | None:
-        """The first line from `line` on that goes on with a motion in which an approach cannot end, and that motion."""
-        state, dialect = self.control.state, self.control.dialect
-        if self.cycle is None and (state.motion in _STRAIGHT or state.motion < 0):
-            return None
+    def _in_force(self) -> Modal | None:
+        motion = self.control.state.motion
+        straight = motion in _STRAIGHT or motion < 0
+        return self.cycle() or (None if straight else Modal(code=motion, repeated_by=AXIS_LETTERS))
+
+    def _repeated(self, line: int, modal: Modal) -> int | None:
+        """The first line from `line` on that goes on with what is in force."""
+        groups = self.control.dialect.g_groups
         for index in range(line - 1, len(self.file.lines)):
             try:
                 block = self.file.block(index)
             except Fault:
                 return None
-            letters = {letter for letter, _ in block.words}
-            codes = self._codes(index)
-            groups = {dialect.g_groups.get(round(code * 10.0)) for code in codes}
-            if MOTION in groups or (self.cycle is not None and codes & _CYCLES) or block.flow is not None:
+            codes = self.codes(index)
+            moves = any(groups.get(round(code * 10.0)) == MOTION for code in codes)
+            if moves or codes & modal.ended_by or block.flow is not None:
                 return None
-            if letters & (AXIS_LETTERS if self.cycle is None else _OF_LATHE):
-                return index + 1, g_name(state.motion if self.cycle is None else round(10.0 * self.cycle))
+            if {letter for letter, _ in block.words} & modal.repeated_by:
+                return index + 1
         return None

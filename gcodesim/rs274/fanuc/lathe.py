@@ -9,14 +9,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
 
 from gcodesim.rs274.block import Block, Word
 from gcodesim.rs274.ends import start_point
-from gcodesim.rs274.entry.halted import Halted
 from gcodesim.rs274.fanuc import face_plane, lathe_cycles
 from gcodesim.rs274.fanuc.executor import FanucExecutor
 from gcodesim.rs274.fanuc.face_plane import FacePlane
+from gcodesim.rs274.fanuc.halted_lathe import HaltedLathe
 from gcodesim.rs274.fanuc.program import FanucFile
 from gcodesim.rs274.fault import Fault
 from gcodesim.rs274.roughing import ContourMove, Point
@@ -47,9 +46,15 @@ class FanucLatheExecutor(FanucExecutor):
     started: bool = False
     face: FacePlane | None = None  # between G12.1 and G13.1
 
-    def _halted(self) -> Halted:
-        prepared = frozenset(self.prepared) if self.started else frozenset()
-        return replace(super()._halted(), cycle=self.cycle, prepared=prepared, in_face_plane=self.face is not None)
+    def _halted(self) -> HaltedLathe:
+        return HaltedLathe(
+            control=self.control,
+            file=self.file,
+            frames=tuple(self.flow.frames),
+            simple_cycle=self.cycle,
+            prepared=frozenset(self.prepared) if self.started else frozenset(),
+            in_face_plane=self.face is not None,
+        )
 
     def _words_of(self, block: Block, index: int) -> None:
         if not self.started:
