@@ -6,14 +6,14 @@ known; then the piece is taken out of the stock, and the rest of the window goes
 
 from __future__ import annotations
 
-from functools import cached_property
+from functools import cached_property, partial
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.arithmetic.matrices import dots, norms
-from gcodesim.executor.targets import StockTarget
+from gcodesim.executor.targets import AssemblyTarget, StockTarget
 from gcodesim.frames import Array
 from gcodesim.frozen import frozen
 from gcodesim.processes.column import ADDED
@@ -48,8 +48,8 @@ class Freeing:
 
     def __init__(self, task: Task, window: Window, row: NDArray[np.int64]) -> None:
         self._task, self._window, self._row = task, window, row
-        self._parting = _parting_of(task)
-        self._kept: Kept | None = None
+        self._partings = _partings_of(task)
+        self._kept: list[Kept] | None = None
         self.freed: list[Freed] = []
 
     def run(self, begin: int, end: int) -> ProcessStep:
@@ -57,34 +57,42 @@ class Freeing:
 
         What it frees on its way is in `freed` and no longer in the stock.
         """
-        parting = self._parting
-        if parting is None or not self._may_part(parting):
+        if not self._may_part():
             answer = self._act(begin, end)
-            if parting is not None and self._task.process.lays and answer[ADDED.name].any():
-                parting.off = True  # prints lie in several pieces
+            if self._task.process.lays and answer[ADDED.name].any():
+                for _, _, parting in self._partings:
+                    parting.off = True  # prints lie in several pieces
             return answer
         done: list[ProcessStep] = []
         at = begin
         while at < end:
-            at = self._act_until_parted(parting, at, end, done)
+            at = self._act_until_parted(at, end, done)
         return ProcessStep.joined(done)
 
     def begin(self) -> None:
         """Call before the first step where the steps are run one by one; nothing is undone then."""
-        if self._parting is not None and self._may_part(self._parting):
-            self._kept = self._parting.keep(self._ways(0, self._window.steps))
+        if self._may_part():
+            self._kept = self._keep(0, self._window.steps)
 
     def end(self) -> None:
         """Call after the last of these steps: what came loose is ascribed to the last one that passed by."""
-        if self._parting is not None and self._kept is not None:
-            self._take_out(self._parting, self._kept, None)
+        if self._kept is not None:
+            self._take_out(self._kept, None)
             self._kept = None
 
-    def _may_part(self, parting: Parting) -> bool:
-        if not self._task.process.takes:
+    def _may_part(self) -> bool:
+        if not (self._partings and self._task.process.takes):
             return False
         lowest, from_above = self._reach
-        return parting.may_part(lowest, from_above=from_above)
+        may = [own.may_part(lowest - at[2], from_above=from_above) for _, at, own in self._partings]  # each is told
+        return any(may)
+
+    def _keep(self, begin: int, end: int) -> list[Kept]:
+        """What every stock may lose in steps `begin` to `end`."""
+        ways = self._ways(begin, end)
+        return [
+            own.keep(ways._replace(starts=ways.starts - at, ends=ways.ends - at)) for _, at, own in self._partings
+        ]
 
     @cached_property
     def _reach(self) -> tuple[float, bool]:
@@ -98,44 +106,50 @@ class Freeing:
     def _act(self, begin: int, end: int) -> ProcessStep:
         task, window = self._task, self._window
         part = window if (begin, end) == (0, window.steps) else window.part(begin, end)
+        if task.process.lays and isinstance(task.target, AssemblyTarget):
+            return task.target.given.laid(partial(task.process.run, window=part, state=task.state))
         return task.process.run(task.target.given, part, task.state)
 
-    def _act_until_parted(self, parting: Parting, at: int, end: int, done: list[ProcessStep]) -> int:
+    def _act_until_parted(self, at: int, end: int, done: list[ProcessStep]) -> int:
         """Go on from step `at` to `end`, or to the step in which something comes loose; the first step after that."""
         state = self._task.state.values
         low, high = at, end
         parts = False  # whether it is known that something comes loose before `high`
         while True:
             middle = high if not parts or high - low == 1 else (low + high) // 2
-            kept, before = parting.keep(self._ways(low, middle)), state.copy()
+            kept, before = self._keep(low, middle), state.copy()
             answer = self._act(low, middle)
-            if parting.parted(kept) is None:
+            owners = list(zip(self._partings, kept, strict=True))
+            if all(parting.parted(own) is None for (_, _, parting), own in owners):
                 done.append(answer)
                 low = middle
                 if low == high:
                     return high
             elif middle - low == 1:
                 done.append(answer)
-                self._take_out(parting, kept, low)
+                self._take_out(kept, low)
                 return middle
             else:
-                parting.put_back(kept)
+                for (_, _, parting), own in owners:
+                    parting.put_back(own)
                 state[:] = before
                 parts, high = True, middle
 
-    def _take_out(self, parting: Parting, kept: Kept, step: int | None) -> None:
-        parted = parting.parted(kept)
-        for piece in [] if parted is None else parting.take_out(parted):
-            at, row = self._passing(piece, step)
-            self.freed.append(Freed(self._task.target.name, at, row, piece, float(self._task.process.zone.radius)))
+    def _take_out(self, kept: list[Kept], step: int | None) -> None:
+        radius = float(self._task.process.zone.radius)
+        for (name, origin, parting), own in zip(self._partings, kept, strict=True):
+            parted = parting.parted(own)
+            for piece in [] if parted is None else parting.take_out(parted):
+                at, row = self._passing(piece.low + origin, piece.high + origin, step)
+                self.freed.append(Freed(name, at, row, piece, radius))
 
-    def _passing(self, piece: PartedPiece, step: int | None) -> tuple[int, int]:
-        """The step (if it is not known) and the path row of the last way that came nearest to a piece."""
+    def _passing(self, low: Array, high: Array, step: int | None) -> tuple[int, int]:
+        """The step (if it is not known) and the path row of the last way that came nearest to a piece in a box."""
         window = self._window
         own = np.arange(len(self._row)) if step is None else np.flatnonzero(window.piece_step == step)
         if not len(own):
             return step or 0, int(self._row[-1]) if len(self._row) else 0
-        middle = np.clip(0.5 * (window.piece_start[own] + window.piece_end[own]), piece.low, piece.high)
+        middle = np.clip(0.5 * (window.piece_start[own] + window.piece_end[own]), low, high)
         way, start = window.piece_end[own] - window.piece_start[own], window.piece_start[own]
         length = np.maximum(dots(way, way), 1e-30)
         share = np.clip(dots(middle - start, way) / length, 0.0, 1.0)
@@ -166,10 +180,10 @@ class Freeing:
         )
 
 
-def _parting_of(task: Task) -> Parting | None:
+def _partings_of(task: Task) -> tuple[tuple[str, Array, Parting], ...]:
     if not (task.process.takes or task.process.lays) or not isinstance(task.target, StockTarget):
-        return None
-    return task.target.parting
+        return ()
+    return task.target.partings
 
 
 def _depth_below(starts: Array, ends: Array, axis: Array, room: Bounds | None) -> float:

@@ -383,6 +383,7 @@ class PartsTarget:
     X_FT: Pose
 
     name = "parts"
+    holds = (("parts", np.zeros(3)),)
     frame = WORLD
     material = None
     given = None

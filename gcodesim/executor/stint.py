@@ -93,6 +93,11 @@ class Stint:
         )
 
     @property
+    def holds(self) -> dict[str, Array]:
+        """The stocks that it acts on, by name, each with the origin (3,) [m] of its frame in S."""
+        return dict(self.task.target.holds)
+
+    @property
     def bounds(self) -> Bounds:
         """A box (3,) (3,) [m] in S that contains all on which the process may act in these steps."""
         window = self.window

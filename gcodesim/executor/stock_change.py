@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Final, NamedTuple
 
+import numpy as np
+
 from gcodesim.arithmetic.matrices import norms
 from gcodesim.processes.column import ADDED, REMOVED
 
@@ -29,9 +31,11 @@ def add_changes(changes: dict[str, StockChange], stints: Sequence[Stint]) -> Non
         answer = stint.answer
         if answer is None or not (REMOVED.name in answer.columns or ADDED.name in answer.columns):
             continue
-        so_far = changes.get(stint.task.target.name, UNCHANGED)
-        changes[stint.task.target.name] = StockChange(
-            so_far.removed + float(answer[REMOVED.name].sum()),
-            so_far.added + float(answer[ADDED.name].sum()),
-            max(so_far.force, float(norms(answer.wrench[:, :3]).max(initial=0.0))),
-        )
+        force = float(norms(answer.wrench[:, :3]).max(initial=0.0))
+        for name, columns in (answer.by_stock or {stint.task.target.name: answer.columns}).items():
+            so_far = changes.get(name, UNCHANGED)
+            changes[name] = StockChange(
+                so_far.removed + float(np.sum(columns.get(REMOVED.name, 0.0))),
+                so_far.added + float(np.sum(columns.get(ADDED.name, 0.0))),
+                max(so_far.force, force),
+            )

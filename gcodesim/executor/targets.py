@@ -15,9 +15,11 @@ from gcodesim.frozen import frozen
 from gcodesim.processes import PROCESSES
 from gcodesim.scene.coated import Coated
 from gcodesim.shop import BODIES, PlacedStock, Shop
+from gcodesim.shop.assemblies import assembled
 from gcodesim.solids import Solid, triangles_of
 
 if TYPE_CHECKING:
+    from gcodesim.material.assembly import StockAssembly
     from gcodesim.material.film import BodyFilm, Shades
     from gcodesim.material.loose import Parting
     from gcodesim.material.revolved import Revolved
@@ -50,6 +52,10 @@ class TaskTarget(Protocol):
         """What the process is given; see `processes.protocol`."""
 
     @property
+    def holds(self) -> tuple[tuple[str, Array], ...]:
+        """What tools of several channels may change at once, by name, with the origin (3,) [m] of its frame in S."""
+
+    @property
     def room(self) -> Bounds | None:
         """A box in S that the target never leaves; None: the process is asked wherever its tool is."""
 
@@ -60,11 +66,17 @@ class TaskTarget(Protocol):
         """Remember the state; calling the result restores it."""
 
 
-def targets_of(shop: Shop, acts_on: ActsOn) -> list[TaskTarget]:
-    """The targets of a process that acts on things of this sort."""
+def targets_of(shop: Shop, acts_on: ActsOn, *, together: bool = False) -> list[TaskTarget]:
+    """The targets of a process that acts on things of this sort; `together`: on a stock with all that stands in it."""
     if acts_on == "stock":
         grows = any(PROCESSES[kind].lays for tool in shop.cell.tools.values() for kind in tool.processes)
-        return [StockTarget(placed, grows) for placed in shop.stocks.values() if not placed.revolved]
+        wholes = assembled(shop.stocks) if together else {}
+        taken = {part.name for parts in wholes.values() for part, _ in parts}
+        return [
+            AssemblyTarget(placed, grows, tuple(wholes[name])) if name in wholes else StockTarget(placed, grows)
+            for name, placed in shop.stocks.items()
+            if not placed.revolved and name not in taken
+        ]
     if acts_on == "revolved":
         return [StockTarget(placed) for placed in shop.stocks.values() if placed.revolved]
     if acts_on == "milled":
@@ -115,9 +127,61 @@ class StockTarget:
         return self.placed.stock.memento()
 
     @property
-    def parting(self) -> Parting | None:
-        """Who watches for pieces that come loose; None where nothing falls: a lathe has its own way."""
-        return None if self.placed.revolved else parting_of(self.placed.stock)
+    def holds(self) -> tuple[tuple[str, Array], ...]:
+        return ((self.name, np.zeros(3)),)
+
+    @property
+    def partings(self) -> tuple[tuple[str, Array, Parting], ...]:
+        """Who watches each of `holds` for pieces that come loose; none where nothing falls: a lathe has its own way."""
+        return () if self.placed.revolved else ((self.name, np.zeros(3), parting_of(self.placed.stock)),)
+
+
+@frozen(kw_only=False, eq=False)
+class AssemblyTarget(StockTarget):
+    """A stock with the `parts` that stand in it, each with its origin (3,) [m] in S, which is that of the whole."""
+
+    parts: tuple[tuple[PlacedStock, Array], ...] = ()
+
+    @property
+    def given(self) -> StockAssembly:
+        from gcodesim.material.assembly import StockAssembly
+
+        all_of_it = (self.placed, *(part for part, _ in self.parts))
+        return StockAssembly(
+            names=tuple(own.name for own in all_of_it),
+            stocks=tuple(own.stock for own in all_of_it),
+            materials=tuple(own.material for own in all_of_it),
+            at=np.array([np.zeros(3), *(at for _, at in self.parts)]),
+        )
+
+    @property
+    def holds(self) -> tuple[tuple[str, Array], ...]:
+        return (self.name, np.zeros(3)), *((part.name, at) for part, at in self.parts)
+
+    @property
+    def room(self) -> Bounds:
+        return self._around([own.room for own in self._alone])
+
+    def filled(self) -> Bounds:
+        return self._around([own.filled() for own in self._alone])
+
+    @property
+    def _alone(self) -> list[StockTarget]:
+        return [StockTarget(own, self.grows) for own in (self.placed, *(part for part, _ in self.parts))]
+
+    def _around(self, boxes: Sequence[Bounds]) -> Bounds:
+        origins = [at for _, at in self.holds]
+        lows = [low + at for (low, _), at in zip(boxes, origins, strict=True)]
+        highs = [high + at for (_, high), at in zip(boxes, origins, strict=True)]
+        return np.min(lows, axis=0), np.max(highs, axis=0)
+
+    def memento(self) -> Callable[[], None]:
+        return self.given.memento()
+
+    @property
+    def partings(self) -> tuple[tuple[str, Array, Parting], ...]:
+        whole = (self.name, np.zeros(3), parting_of(self.placed.stock))
+        return whole, *((part.name, at, parting_of(part.stock)) for part, at in self.parts)
 
 
 @frozen(kw_only=False, eq=False)
@@ -129,8 +193,8 @@ class MilledTarget(StockTarget):
         return cast("Revolved", self.placed.stock).in_columns()
 
     @property
-    def parting(self) -> Parting:
-        return parting_of(self.given)
+    def partings(self) -> tuple[tuple[str, Array, Parting], ...]:
+        return ((self.name, np.zeros(3), parting_of(self.given)),)
 
 
 @frozen(kw_only=False, eq=False)
@@ -182,6 +246,10 @@ class BodySkinTarget:
         return self.coated.name
 
     @property
+    def holds(self) -> tuple[tuple[str, Array], ...]:
+        return ((self.name, np.zeros(3)),)
+
+    @property
     def frame(self) -> str:
         return self.coated.frame
 
@@ -224,6 +292,7 @@ class BodiesTarget:
     bodies: tuple[StandingBody, ...]
 
     name = ""
+    holds = ()
     frame = BODIES
     material = None
 
@@ -248,6 +317,7 @@ class NoTarget:
     """For a process that acts on nothing: S is the frame of the bodies."""
 
     name = ""
+    holds = ()
     frame = BODIES
     material = None
     given = None

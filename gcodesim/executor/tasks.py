@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from gcodesim.executor.part_run import PartRun, PartsTarget
 from gcodesim.executor.signals import signals_of_rows
-from gcodesim.executor.targets import StockTarget, TaskTarget, targets_of
+from gcodesim.executor.targets import TaskTarget, targets_of
 from gcodesim.frozen import frozen
 from gcodesim.motion.tool_path import HOME, RAPID, Commanded, ToolPath
 from gcodesim.processes import PROCESSES
@@ -19,7 +19,7 @@ from gcodesim.processes.signal import Signal
 from gcodesim.shop import Shop
 
 if TYPE_CHECKING:
-    from gcodesim.processes.protocol import ActsOn, Process
+    from gcodesim.processes.protocol import Process
     from gcodesim.processes.window import ProcessState
     from gcodesim.tools.tool import Tool
 
@@ -124,10 +124,8 @@ class Tasks:
     def _all_of(self, tool: Tool) -> Iterator[Task]:
         for kind in tool.acts_by:
             variant = PROCESSES[kind]
-            for target in self._targets(tool, variant.acts_on):
+            for target in self._targets(tool, variant):
                 process = variant.of(tool, target.material)
-                if variant.lays and isinstance(target, StockTarget) and target.placed.spec.inside is not None:
-                    continue  # what is laid goes onto the whole stock, once; GS931 says so
                 yield Task(tool=tool, target=target, process=process, state=process.begin())
             if variant.acts_on != "stock":
                 continue
@@ -141,9 +139,9 @@ class Tasks:
                 if turning is not None:  # else GS435 says so
                     yield Task(tool=tool, target=target, process=turning, state=turning.begin())
 
-    def _targets(self, tool: Tool, acts_on: ActsOn) -> list[TaskTarget]:
-        if acts_on != "parts":
-            return targets_of(self.shop, acts_on)
+    def _targets(self, tool: Tool, variant: type[Process]) -> list[TaskTarget]:
+        if variant.acts_on != "parts":
+            return targets_of(self.shop, variant.acts_on, together=variant.together)
         assert self.parts is not None
         return [PartsTarget(self.parts, self.shop, f"{self.shop.name} {tool.name}", tool.X_FT)]
 

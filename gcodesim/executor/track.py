@@ -467,12 +467,15 @@ def _meet(a: Stint, b: Stint) -> bool:
         b.parts is not None and a.anew is not None and _grips(b)
     ):  # what the one acts on may go away with the other
         return True
-    if not a.task.target.name or a.task.target.name != b.task.target.name:
+    both = a.holds.keys() & b.holds.keys()
+    if not both:
         return False
     if a.anew is not None or a.task.process.zone.everywhere or b.task.process.zone.everywhere:
         return True
+    name = min(both)
     (low, high), (least, most) = a.bounds, b.bounds
-    return bool((low < most).all() and (high > least).all())
+    apart = b.holds[name] - a.holds[name]
+    return bool((low + apart < most).all() and (high + apart > least).all())
 
 
 def pocket_of(shop: Shop, name: str) -> Pose:

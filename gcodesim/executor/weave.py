@@ -79,13 +79,14 @@ class Weave:
 
     def _boxes(self) -> tuple[Boxes, Boxes]:
         """Corners (channels, stocks, steps, 3) of boxes that contain all on which a channel may act in a step."""
-        stints = [[stint for stint in cut.stints if stint.task.target.name] for cut in self.cuts]
-        names = list(dict.fromkeys(stint.task.target.name for own in stints for stint in own))
+        stints = [[stint for stint in cut.stints if stint.holds] for cut in self.cuts]
+        names = list(dict.fromkeys(name for own in stints for stint in own for name in stint.holds))
         shape = len(self.cuts), len(names), len(self._stretches[0]), 3
         low, high = np.full(shape, np.inf), np.full(shape, -np.inf)
         for channel, own in enumerate(stints):
             for stint in own:
-                at = channel, names.index(stint.task.target.name)
                 least, most = stint.bounds_by_step
-                low[at], high[at] = np.minimum(low[at], least), np.maximum(high[at], most)
+                for name, origin in stint.holds.items():
+                    at = channel, names.index(name)
+                    low[at], high[at] = np.minimum(low[at], least - origin), np.maximum(high[at], most - origin)
         return low, high

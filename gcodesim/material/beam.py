@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.material.beam_kernels import (
+    CROWDED,
     FLAT,
     GAUSSIAN,
     GAUSSIAN_REACH,
@@ -22,6 +23,8 @@ from gcodesim.material.beam_kernels import (
 )
 
 if TYPE_CHECKING:
+    from gcodesim.material.assembly import StockAssembly
+    from gcodesim.material.beam_in_parts_kernels import StruckParts
     from gcodesim.material.stock import Stock
 
 Array = NDArray[np.float64]
@@ -29,7 +32,20 @@ Array = NDArray[np.float64]
 PROFILES = {"gaussian": GAUSSIAN, "top_hat": TOP_HAT, "flat": FLAT}
 """How a beam spreads over its footprint; `flat` leaves a level floor when it moves."""
 
-__all__ = ["PROFILES", "BeamForm", "BeamWay", "Struck", "radius_at", "share_within", "strike_stock", "widest_within"]
+__all__ = [
+    "PROFILES",
+    "BeamForm",
+    "BeamWay",
+    "Struck",
+    "radius_at",
+    "share_within",
+    "strike_assembly",
+    "strike_stock",
+    "widest_within",
+]
+
+ONE_GRID = 1e-9
+"""[m] by which columns of two stocks may differ in width and still be called alike."""
 
 
 def widest_within(form: BeamForm, depth: float) -> float:
@@ -46,10 +62,7 @@ def strike_stock(stock: Stock, form: BeamForm, way: BeamWay, kind: str, threshol
     """
     count = len(way.volume)
     struck = Struck(np.zeros(count), np.zeros(count), np.full(count, np.inf), np.zeros(count))
-    if kind not in stock.doses:
-        stock.doses[kind] = np.zeros(stock.field.columns.number.shape)
-    if way.volume.any():
-        stock.lattice = None
+    _begin_dose(stock, kind, takes=bool(way.volume.any()))
     notes = np.zeros(2)
     way = BeamWay(*(np.ascontiguousarray(part, dtype=float) for part in way))
     done = 0
@@ -59,3 +72,44 @@ def strike_stock(stock: Stock, form: BeamForm, way: BeamWay, kind: str, threshol
     if notes[1]:  # what the last piece asked for
         stock.grow()
     return struck
+
+
+def strike_assembly(
+    assembly: StockAssembly, form: BeamForm, way: BeamWay, volume: Array, kind: str, threshold: float = 0.0
+) -> StruckParts:
+    """The same for stocks that stand in each other: each ray meets one after the other, and the first shades the next.
+
+    `volume` (c, m) [m³] is what the beam could take of each stock, in place of `way.volume`; `way` is in the frame of
+    the first.
+    """
+    from gcodesim.material.beam_in_parts_kernels import StruckParts, Together, strike_through
+
+    stocks, (count, m) = assembly.stocks, volume.shape
+    for stock, own in zip(stocks, volume.T, strict=True):
+        _begin_dose(stock, kind, takes=bool(own.any()))
+    sides = np.array([stock.spacing for stock in stocks])
+    home = int(np.argmin(sides.min(axis=1)))
+    alike = bool(np.ptp(sides, axis=0).max() < ONE_GRID)
+    together = Together(assembly.at - assembly.at[home], home, np.inf if alike else 0.5 * float(sides.min()))
+    starts, ends = way.starts - assembly.at[home], way.ends - assembly.at[home]
+    way = BeamWay(*(np.ascontiguousarray(part, dtype=float) for part in way._replace(starts=starts, ends=ends)))
+    struck = StruckParts(np.zeros((count, m)), np.zeros(count), np.full(count, np.inf), np.zeros(count))
+    volume, notes, done = np.ascontiguousarray(volume), np.zeros((m, 2)), 0
+    while done < count:
+        ons = tuple(
+            Ablating(stock.field, stock.doses[kind], threshold, own) for stock, own in zip(stocks, notes, strict=True)
+        )
+        done = strike_through(ons, together, form, way, volume, done, struck)
+        for stock, own in zip(stocks, notes, strict=True):
+            if own[CROWDED]:
+                stock.grow()
+        notes[:] = 0.0
+    return struck
+
+
+def _begin_dose(stock: Stock, kind: str, *, takes: bool) -> None:
+    """Have a dose of this kind counted in each column; columns along x and y are given up where material is taken."""
+    if kind not in stock.doses:
+        stock.doses[kind] = np.zeros(stock.field.columns.number.shape)
+    if takes:
+        stock.lattice = None

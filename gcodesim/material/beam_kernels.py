@@ -336,23 +336,48 @@ def bundle_of(field: Field, centre: Array, d: Array, finest: float, outer: float
     return Bundle(corner, e * step, f * step, 2 * half + 1, 2 * half + 1)
 
 
-@kernel
-def shine(on: Ablating, form: BeamForm, p: Array, d: Array, volume: float, given: float) -> tuple[float, float, float]:
-    """A beam stands with its tip at p (3,) [m], in the direction d (3,), and could take `volume` [m³].
+class BeamAim(NamedTuple):
+    """A beam that stands at one place: its rays, how much of it each has (`weights` (na · nb,), together `total`), and
+    where its axis first strikes: `centre` (3,), at the distance `s` [m] beyond the tip, with its `radius` and `growth`
+    there."""
 
-    Returns the volume taken, the part of `given` that met material, and the least distance [m] from the focus to
-    where it did.
+    bundle: Bundle
+    weights: Array
+    total: float
+    centre: Array
+    s: float
+    radius: float
+    growth: float
+
+
+class RayLine(NamedTuple):
+    """Where a ray goes: from (x, y, z) [m] in the direction (dx, dy, dz), over the distance `far` [m], on which the
+    axis comes 1 / `size` as far; `weight` is its share of the beam."""
+
+    x: float
+    y: float
+    z: float
+    dx: float
+    dy: float
+    dz: float
+    far: float
+    size: float
+    weight: float
+
+
+@kernel
+def aim_at(field: Field, form: BeamForm, p: Array, d: Array, s: float, widest: float) -> BeamAim:
+    """A beam with its tip at p (3,) [m], in the direction d (3,), whose axis strikes at the distance s [m] beyond it.
+
+    Its rays stand by the columns of `field`, at most `widest` [m] apart.
     """
-    grid = on.field.grid
-    area = grid.dx * grid.dy
-    s = distance_to(on, p, d, form)
     if s == math.inf:
         s = form.focus
     radius, growth = radius_at(form, s), growth_at(form, s)
     centre = np.array([p[0] + d[0] * s, p[1] + d[1] * s, p[2] + d[2] * s])
     outer = radius * (GAUSSIAN_REACH if form.profile == GAUSSIAN else 1.0)
-    finest = radius / (ACROSS if form.profile == GAUSSIAN else TO_THE_RIM)
-    bundle = bundle_of(on.field, centre, d, finest, outer)
+    finest = min(radius / (ACROSS if form.profile == GAUSSIAN else TO_THE_RIM), widest)
+    bundle = bundle_of(field, centre, d, finest, outer)
     spread = max(math.sqrt(length_of(bundle.first) * length_of(bundle.second)), 1.0e-3 * radius)
     total = 0.0
     weights = np.empty(bundle.na * bundle.nb)
@@ -369,35 +394,56 @@ def shine(on: Ablating, form: BeamForm, p: Array, d: Array, volume: float, given
     if total <= 0.0:  # thinner than the rays stand apart: its axis alone
         bundle = Bundle(centre, np.zeros(3), np.zeros(3), 1, 1)
         weights[0] = total = 1.0
+    return BeamAim(bundle, weights, total, centre, s, radius, growth)
+
+
+@kernel
+def line_of(form: BeamForm, aim: BeamAim, d: Array, a: int, b: int) -> RayLine:
+    """The ray (a, b) of a beam along d (3,)."""
+    bundle, centre = aim.bundle, aim.centre
+    x = bundle.corner[0] + a * bundle.first[0] + b * bundle.second[0]
+    y = bundle.corner[1] + a * bundle.first[1] + b * bundle.second[1]
+    z = bundle.corner[2] + a * bundle.first[2] + b * bundle.second[2]
+    qx, qy, qz = x - centre[0], y - centre[1], z - centre[2]
+    along = qx * d[0] + qy * d[1] + qz * d[2]
+    g = aim.growth / aim.radius
+    dx, dy, dz = (
+        d[0] + g * (qx - along * d[0]),
+        d[1] + g * (qy - along * d[1]),
+        d[2] + g * (qz - along * d[2]),
+    )
+    size = math.sqrt(dx * dx + dy * dy + dz * dz)
+    dx, dy, dz = dx / size, dy / size, dz / size
+    back = (aim.s + along - form.mouth) * size
+    far = (form.reach - form.mouth) * size
+    weight = aim.weights[a * bundle.nb + b] / aim.total
+    return RayLine(x - back * dx, y - back * dy, z - back * dz, dx, dy, dz, far, size, weight)
+
+
+@kernel
+def shine(on: Ablating, form: BeamForm, p: Array, d: Array, volume: float, given: float) -> tuple[float, float, float]:
+    """A beam stands with its tip at p (3,) [m], in the direction d (3,), and could take `volume` [m³].
+
+    Returns the volume taken, the part of `given` that met material, and the least distance [m] from the focus to
+    where it did.
+    """
+    area = on.field.grid.dx * on.field.grid.dy
+    aim = aim_at(on.field, form, p, d, distance_to(on, p, d, form), math.inf)
     gone, met, off = 0.0, 0.0, math.inf
-    for a in range(bundle.na):
-        for b in range(bundle.nb):
-            w = weights[a * bundle.nb + b] / total
-            if w <= 0.0:
+    for a in range(aim.bundle.na):
+        for b in range(aim.bundle.nb):
+            if aim.weights[a * aim.bundle.nb + b] / aim.total <= 0.0:
                 continue
-            x = bundle.corner[0] + a * bundle.first[0] + b * bundle.second[0]
-            y = bundle.corner[1] + a * bundle.first[1] + b * bundle.second[1]
-            z = bundle.corner[2] + a * bundle.first[2] + b * bundle.second[2]
-            qx, qy, qz = x - centre[0], y - centre[1], z - centre[2]
-            along = qx * d[0] + qy * d[1] + qz * d[2]
-            g = growth / radius
-            dx, dy, dz = (
-                d[0] + g * (qx - along * d[0]),
-                d[1] + g * (qy - along * d[1]),
-                d[2] + g * (qz - along * d[2]),
-            )
-            size = math.sqrt(dx * dx + dy * dy + dz * dz)
-            dx, dy, dz = dx / size, dy / size, dz / size
-            back = (s + along - form.mouth) * size
+            line = line_of(form, aim, d, a, b)
             ray = Ray(
-                x - back * dx, y - back * dy, z - back * dz, dx, dy, dz, (form.reach - form.mouth) * size,
-                w * volume / area, w * given / area,
+                line.x, line.y, line.z, line.dx, line.dy, line.dz, line.far,
+                line.weight * volume / area, line.weight * given / area,
             )  # fmt: skip
             left, length, far = follow_ray(on, ray)
             gone += length
-            met += w * (1.0 - left)
+            met += line.weight * (1.0 - left)
             if far < math.inf:
-                off = min(off, abs(far / size + form.mouth - form.focus))
+                off = min(off, abs(far / line.size + form.mouth - form.focus))
     return gone * area, met * given, off
 
 

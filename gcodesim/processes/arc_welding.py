@@ -44,6 +44,7 @@ class ArcWelding(Process):
 
     kind: ClassVar[str] = "arc_welding"
     lays: ClassVar[bool] = True
+    together: ClassVar[bool] = True
     told_by_words: ClassVar[tuple[str, ...]] = ("GS542",)
     reads: ClassVar[tuple[Signal, ...]] = (ACTIVE, WIRE_SPEED, FEED)
     writes: ClassVar[tuple[Column, ...]] = (

@@ -22,7 +22,9 @@ from gcodesim.units import MM, MM3
 
 if TYPE_CHECKING:
     from gcodesim.diagnostics import Diagnostic
-    from gcodesim.material.beam import BeamForm
+    from gcodesim.material.assembly import StockAssembly
+    from gcodesim.material.beam import BeamForm, Struck
+    from gcodesim.material.beam_in_parts_kernels import StruckParts
     from gcodesim.material.stock import Stock
     from gcodesim.processes.rows import Rows
     from gcodesim.tools.beam_tool import BeamTool
@@ -75,6 +77,7 @@ class Beam(Process):
     """
 
     takes: ClassVar[bool] = True
+    together: ClassVar[bool] = True
     dose: ClassVar[str] = ""
     given: ClassVar[str] = ""
     landed: ClassVar[str] = ""
@@ -118,13 +121,14 @@ class Beam(Process):
             reach=tool.reach,
         )
 
-    def run(self, stock: Stock | None, window: Window, state: ProcessState) -> ProcessStep:
+    def run(self, stock: Stock | StockAssembly | None, window: Window, state: ProcessState) -> ProcessStep:
         """Let the beam act on `stock` (in place) along the pieces of `window`."""
         n = window.steps
         setting = self.setting(window)
         if stock is None or not setting.on.any():
             return ProcessStep.free(n)
-        from gcodesim.material.beam import BeamWay, strike_stock
+        from gcodesim.material.assembly import StockAssembly
+        from gcodesim.material.beam import BeamWay, strike_assembly, strike_stock
 
         tool: Any = self.tool
         lit = np.flatnonzero(setting.on[window.piece_step])
@@ -135,30 +139,40 @@ class Beam(Process):
         way = BeamWay(
             window.piece_start[lit], window.piece_end[lit], window.axis[step], setting.takes[step] * seconds, given
         )
-        struck = strike_stock(stock, self.form, way, self.dose, self.threshold)
-        removed = sums_by_step(step, struck.taken, n)
+        struck: Struck | StruckParts
+        if isinstance(stock, StockAssembly):
+            takes = [self.of(tool, material).setting(window).takes for material in stock.materials]
+            volume = np.stack([own[step] * seconds for own in takes], axis=1)
+            parts = strike_assembly(stock, self.form, way, volume, self.dose, self.threshold)
+            struck, taken = parts, parts.taken.sum(axis=1)
+            by_stock = {
+                name: {"removed": sums_by_step(step, own, n)}
+                for name, own in zip(stock.names, parts.taken.T, strict=True)
+            }
+        else:
+            struck = strike_stock(stock, self.form, way, self.dose, self.threshold)
+            taken, by_stock = struck.taken, {}
+        removed = sums_by_step(step, taken, n)
         off, dose, sharp = np.zeros(n), np.zeros(n), np.zeros(n, dtype=bool)
         allowed = tool.tolerance * (1.0 + 1e-9)
         np.maximum.at(off, step, np.where(np.isfinite(struck.off) & (struck.off > allowed), struck.off, 0.0))
         sharp[step[struck.off <= allowed]] = True
         np.maximum.at(dose, step, struck.dose)
         landed = sums_by_step(step, struck.met, n)
-        return ProcessStep.free(
-            n,
-            {
-                "removed": removed,
-                "engaged": landed > 0.0,
-                "beam": setting.on,
-                "in_focus": sharp,
-                "out_of_focus": off,
-                "beam_in_rapid": setting.on & window.rapid & window.moving,
-                "beam_without_gas": setting.on & ~setting.gas & (landed > 0.0),
-                "beam_too_much": setting.beyond,
-                self.given: sums_by_step(step, given, n),
-                self.landed: landed,
-                self.dose: dose,
-            },
-        )
+        columns = {
+            "removed": removed,
+            "engaged": landed > 0.0,
+            "beam": setting.on,
+            "in_focus": sharp,
+            "out_of_focus": off,
+            "beam_in_rapid": setting.on & window.rapid & window.moving,
+            "beam_without_gas": setting.on & ~setting.gas & (landed > 0.0),
+            "beam_too_much": setting.beyond,
+            self.given: sums_by_step(step, given, n),
+            self.landed: landed,
+            self.dose: dose,
+        }
+        return ProcessStep.free(n, columns, by_stock)
 
     @classmethod
     def findings(cls, rows: Rows) -> Iterable[Diagnostic]:

@@ -45,6 +45,7 @@ class Extrusion(Process):
 
     kind: ClassVar[str] = "extrusion"
     lays: ClassVar[bool] = True
+    together: ClassVar[bool] = True
     told_by_words: ClassVar[tuple[str, ...]] = ("GS539", "GS542")
     reads: ClassVar[tuple[Signal, ...]] = (ACTIVE, BEAD_WIDTH, BEAD_HEIGHT, FLOW)
     writes: ClassVar[tuple[Column, ...]] = (

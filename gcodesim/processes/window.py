@@ -107,38 +107,60 @@ class ProcessStep:
     tip; `columns` (n,) by name, those that the process declares in `writes`. A column that is left out is zero, or what
     its `steady` says.
     `changes` is what has to change in the rest of the cell, such as a part that is held from now on.
+    `by_stock` are the columns of what was removed and added, by the name of the stock, where the target is an
+    `StockAssembly` of several; empty where it is one.
     """
 
     wrench: Array
     deflection: Array
     columns: Mapping[str, NDArray[Any]] = field(default_factory=dict)
     changes: tuple[Any, ...] = ()
+    by_stock: Mapping[str, Mapping[str, NDArray[Any]]] = field(default_factory=dict)
 
     @staticmethod
-    def free(steps: int, columns: Mapping[str, NDArray[Any]] | None = None) -> ProcessStep:
+    def free(
+        steps: int,
+        columns: Mapping[str, NDArray[Any]] | None = None,
+        by_stock: Mapping[str, Mapping[str, NDArray[Any]]] | None = None,
+    ) -> ProcessStep:
         """A result without force over `steps` steps; without `columns` nothing happened at all."""
-        return ProcessStep(wrench=np.zeros((steps, 6)), deflection=np.zeros((steps, 3)), columns=columns or {})
+        return ProcessStep(
+            wrench=np.zeros((steps, 6)),
+            deflection=np.zeros((steps, 3)),
+            columns=columns or {},
+            by_stock=by_stock or {},
+        )
 
     @staticmethod
     def joined(parts: Sequence[ProcessStep]) -> ProcessStep:
         """The steps of several results, one after the other."""
         if len(parts) == 1:
             return parts[0]
-        kinds = {name: values.dtype for part in parts for name, values in part.columns.items()}
+        lengths = [len(part.wrench) for part in parts]
+        names = list(dict.fromkeys(name for part in parts for name in part.by_stock))
         return ProcessStep(
             wrench=np.concatenate([part.wrench for part in parts]),
             deflection=np.concatenate([part.deflection for part in parts]),
-            columns={
-                name: np.concatenate([part.columns.get(name, np.zeros(len(part.wrench), kind)) for part in parts])
-                for name, kind in kinds.items()
-            },
+            columns=_joined([part.columns for part in parts], lengths),
             changes=tuple(change for part in parts for change in part.changes),
+            by_stock={name: _joined([part.by_stock.get(name, {}) for part in parts], lengths) for name in names},
         )
 
     def __getitem__(self, name: str) -> NDArray[Any]:
         """A column (n,); zeros when the process left it out."""
         column = self.columns.get(name)
         return np.zeros(len(self.wrench)) if column is None else column
+
+
+def _joined(parts: Sequence[Mapping[str, NDArray[Any]]], lengths: Sequence[int]) -> dict[str, NDArray[Any]]:
+    """Columns one after the other; zeros where one of the parts, of so many steps, has none of that name."""
+    kinds = {name: values.dtype for columns in parts for name, values in columns.items()}
+    return {
+        name: np.concatenate(
+            [columns.get(name, np.zeros(n, kind)) for columns, n in zip(parts, lengths, strict=True)]
+        )
+        for name, kind in kinds.items()
+    }
 
 
 @dataclass(slots=True, kw_only=True, eq=False)

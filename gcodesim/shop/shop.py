@@ -7,6 +7,8 @@ from dataclasses import field, replace
 from math import isnan
 from typing import TYPE_CHECKING, Final
 
+import numpy as np
+
 from gcodesim.arithmetic.matrices import applied
 from gcodesim.cell import Cell, Placement
 from gcodesim.cell.signals import SignalSource
@@ -28,6 +30,9 @@ if TYPE_CHECKING:
 USUAL_LATHE: Final = 4000.0 * RPM
 """Greatest speed [rad/s] of a lathe's spindle where the cell gives no `limits: {spindle_speed: …}`."""
 
+SAME_AXES: Final = 1e-9
+"""How far axes of a part may lean [-] and still be those of the stock that it stands in."""
+
 
 @frozen(eq=False)
 class PlacedStock:
@@ -48,6 +53,11 @@ class PlacedStock:
     def revolved(self) -> bool:
         """Whether it turns in a lathe; then `stock` is a `material.Revolved`."""
         return hasattr(self.stock, "profile")
+
+    def origin_in(self, whole: PlacedStock) -> Array | None:
+        """Its origin (3,) [m] in the frame of the stock that it is a part of; None where its axes are others."""
+        X: Pose = whole.X_WS.inverse() @ self.X_WS
+        return X.p if float(np.abs(X.R - np.eye(3)).max()) < SAME_AXES else None
 
 
 @frozen(eq=False)

@@ -16,6 +16,7 @@ from gcodesim.cell.stock import solid_of
 from gcodesim.diagnostics import Diagnostic
 from gcodesim.frames import Pose
 from gcodesim.scene import Stand
+from gcodesim.shop.assemblies import turned_parts
 from gcodesim.shop.blanks import blank, blank_left
 from gcodesim.shop.coats import coated_bodies
 from gcodesim.shop.shop import PlacedStock, Shop
@@ -43,7 +44,7 @@ def with_stock(shop: Shop, left: Mapping[str, Path] | None = None) -> tuple[Shop
             findings.append(made)
         else:
             fresh[name] = made
-    findings += [*(_fitted(shop, fresh) if not left else ()), *_apart(shop)]
+    findings += _fitted(shop, fresh) if not left else ()
     for name, made in fresh.items():
         spec = shop.cell.stocks[name]
         material = shop.cell.material(spec)
@@ -59,6 +60,7 @@ def with_stock(shop: Shop, left: Mapping[str, Path] | None = None) -> tuple[Shop
         stocks[name] = PlacedStock(
             name=name, frame=frame, spec=spec, stock=made, X_WS=X_WS @ turn, material=material, initial=made.volume
         )
+    findings += _apart(shop, stocks)
     stocked = replace(shop, stocks=stocks, scene=shop.scene.with_frames(stands))
     return replace(stocked, coated=coated_bodies(stocked)), findings
 
@@ -100,22 +102,23 @@ def _fitted(shop: Shop, fresh: Mapping[str, Stock]) -> list[Diagnostic]:
     return findings
 
 
-def _apart(shop: Shop) -> list[Diagnostic]:
-    """GS931 for each tool that does not see the parts of a stock together."""
-    name = next((name for name, spec in shop.cell.stocks.items() if spec.inside is not None), None)
-    if name is None:
+def _apart(shop: Shop, stocks: Mapping[str, PlacedStock]) -> list[Diagnostic]:
+    """GS931 for each tool that does not see a part together with its stock, because it stands turned in it."""
+    turned = turned_parts(stocks)
+    if not turned:
         return []
     from gcodesim.processes import PROCESSES
 
+    part, whole = turned[0]
     return [
         Diagnostic(
             code="GS931",
             span=shop.cell.span("tools", number),
-            message=f"{tool.name} acts on each part of `{shop.cell.stocks[name].inside}` as if it were alone",
-            hint="give it a stock without parts",
+            message=f"{tool.name} acts on `{part.name}`, which stands turned in `{whole.name}`, as if it were alone",
+            hint="give the part the axes of its stock, for example by a mesh that is turned",
         )
         for number, tool in sorted(shop.cell.tools.items())
-        if any(PROCESSES[kind].lays or hasattr(PROCESSES[kind], "dose") for kind in tool.processes)
+        if any(PROCESSES[kind].together for kind in tool.processes)
     ]
 
 

@@ -97,14 +97,107 @@ def test_a_part_beside_its_stock_is_told():
     assert [code for code, _ in ran.misuse] == ["GS413"]
 
 
-def test_beads_lie_on_the_whole_stock_once_and_it_is_told():
-    cell = (CELL + PLATE + ", layers: [{height: 2, material: pvc}]}\n").replace(
+LASER = (
+    "  4: {type: laser, power: 400 W, diameter: 1.5, length: 60, absorptivity: 0.5}\n"
+    "  5: {type: jet, diameter: 2, removal_rate: 30 mm^3/s, length: 60}\n"
+)
+BEAM = "G21 G90 G61\nT{tool} M6\nG43 H{tool}\nG0 X-15 Y1.3\nG0 Z0\nM62 P0\nG1 X15 F600\nM63 P0\nG0 Z20\nM2\n"
+
+
+def beamed(stock, tool=4, program=BEAM):
+    cell = (CELL + stock).replace("tools:\n", "tools:\n" + LASER) + "signals: {beam: {word: M62 P0}}\n"
+    return run_texts(program.format(tool=tool), cell)
+
+
+def doses(ran):
+    return sum(dose["total"] for stock in ran.results.stocks.values() for dose in stock.as_json()["doses"].values())
+
+
+@pytest.mark.parametrize("tool", [4, 5])
+def test_a_beam_takes_of_layers_of_one_material_what_it_takes_of_one_piece(tool):
+    whole = beamed(PLATE + "}\n", tool)
+    layers = ", layers: [{height: 0.05, material: al6082_t6}, {height: 0.1, material: al6082_t6}]}\n"
+    parts = beamed(PLATE + layers, tool)
+
+    (one,) = removed(whole).values()
+    assert all(own > 0.0 for own in removed(parts).values())
+    assert sum(removed(parts).values()) == pytest.approx(one, rel=1e-9)
+    assert doses(parts) == pytest.approx(doses(whole), rel=1e-9)
+    assert parts.results.tools[0]["removed_mm3"] == pytest.approx(one, rel=1e-9)
+    assert parts.misuse == []
+
+
+def test_each_layer_takes_energy_by_its_own_material():
+    """What melts is paid for: the sum of volumes, each with the energy of its material, is the absorbed energy."""
+    from gcodesim.processes.materials import LIBRARY
+    from gcodesim.processes.melting import melted
+
+    ran = beamed(PLATE + ", layers: [{height: 0.1, material: c45}]}\n")
+    landed = next(tool for tool in ran.results.tools if tool["number"] == 4)["landed_energy_J"]
+    paid = {
+        name: removed(ran)[name] * MM3 * melted(LIBRARY[stock.material]) for name, stock in ran.results.stocks.items()
+    }
+
+    assert min(paid.values()) > 0.05 * sum(paid.values())
+    assert sum(paid.values()) == pytest.approx(0.5 * landed, rel=1e-6)
+
+
+def test_a_layer_that_is_not_gone_shades_what_lies_below():
+    """The jet goes 1.5 mm deep: 30 mm³/s over 2 mm x 10 mm/s."""
+    ran = beamed(PLATE + ", layers: [{height: 3, material: al6082_t6}]}\n", 5)
+    assert removed(ran)["plate"] == 0.0
+    assert removed(ran)["plate_layer_1"] == pytest.approx(30.0 * 3.0, rel=1e-3)
+    assert ran.results.stocks["plate"].as_json()["doses"]["wear"]["total"] == 0.0
+
+
+def test_a_beam_goes_from_a_plate_into_what_stands_in_it():
+    """Columns stand closer in the screw, so that the border of the plate and that of the screw leave gaps."""
+    program = BEAM.replace("G0 X-15 Y1.3", "G0 X-15 Y0")
+    whole = beamed(PLATE + "}\n", 5, program)
+    parts = beamed(PLATE + "}\n" + SCREW.replace("[0, 0, 2]", "[0, 0, 0]") + "al6082_t6}\n", 5, program)
+
+    (one,) = removed(whole).values()
+    share = 6.0 / 30.0  # of the way over the screw
+    assert sum(removed(parts).values()) == pytest.approx(one, rel=4e-3)
+    assert removed(parts)["screw"] == pytest.approx(share * one, rel=0.05)
+
+
+def printed(stock, program):
+    cell = (CELL + stock).replace(
         "tools:\n", "tools:\n  2: {type: extruder, bead_width: 4, bead_height: 2, flow: 100 mm^3/s, length: 40}\n"
     ) + "m_codes:\n  M10: {tool: activate}\n  M11: {tool: deactivate}\n"
-    program = "G21 G90 G61\nT2 M6\nG43 H2\nG0 X-15 Y0\nG0 Z2\nM10\nG1 X15 F1200\nM11\nG0 Z40\nM2\n"
-    ran = run_texts(program, cell)
-    deposited = {name: stock.deposited / MM3 for name, stock in ran.results.stocks.items()}
+    return run_texts(program, cell)
 
-    assert [f.code for f in ran.results.findings].count("GS931") == 1
-    assert deposited["plate_layer_1"] == 0.0
-    assert deposited["plate"] == pytest.approx(100.0 * 30.0 / 20.0, rel=0.02)
+
+LINE = "G21 G90 G61\nT2 M6\nG43 H2\nG0 X-15 Y0\nG0 Z2\nM10\nG1 X15 F1200\nM11\nG0 Z40\nM2\n"
+
+
+@pytest.mark.parametrize("part", [", layers: [{height: 2, material: pvc}]}\n", "}\n" + SCREW + "c45}\n"])
+def test_beads_lie_on_a_stock_with_all_that_stands_in_it(part):
+    whole = printed(PLATE + "}\n", LINE)
+    parts = printed(PLATE + part.replace("[0, 0, 2]", "[0, 0, 0]"), LINE)
+    deposited = {name: stock.deposited / MM3 for name, stock in parts.results.stocks.items()}
+    (one,) = (stock.deposited / MM3 for stock in whole.results.stocks.values())
+
+    assert parts.misuse == whole.misuse
+    assert deposited.pop("plate") == pytest.approx(one, rel=1e-6)
+    assert set(deposited.values()) == {0.0}
+    assert one == pytest.approx(100.0 * 30.0 / 20.0, rel=0.02)
+    assert all(stock.removed == 0.0 for stock in parts.results.stocks.values())
+
+
+def test_a_part_that_stands_up_is_in_the_way_of_a_bead():
+    """Over a block that is as high as the nozzle and wider than the bead there is little room for it."""
+    stands = SCREW.replace("cylinder: [6, 12], zero: top-center, xyz: [0, 0, 2]", "min: [0, -4, -3], max: [8, 4, 2]")
+    hole = printed(PLATE + "}\n", LINE)
+    ran = printed(PLATE + "}\n" + stands + "c45}\n", LINE)
+    swollen = [next(t for t in each.results.tools if t["number"] == 2)["swollen_mm3"] for each in (hole, ran)]
+
+    assert swollen[0] == pytest.approx(0.0, abs=0.5)
+    assert swollen[1] > 10.0
+
+
+def test_a_part_that_stands_turned_is_met_alone_and_it_is_told():
+    turned = SCREW.replace("xyz: [0, 0, 2]", "xyz: [0, 0, 1], rpy: [30, 0, 0]")
+    ran = beamed(PLATE + "}\n" + turned + "c45}\n")
+    assert [f.code for f in ran.results.findings].count("GS931") == 2  # two tools

@@ -192,11 +192,12 @@ CODES += (
     Code(
         code="GS931",
         severity=Severity.NOTE,
-        title="Parts of a stock are not seen together",
-        what="A beam, a jet or an extruder works on stock that consists of several parts or layers. Cutters meet all of"
-        " them; a beam strikes each part as if the others were not there, and beads lie on the whole stock alone.",
-        why="Where a layer lies in the shade of another one, too much is taken, and beads see a hole where a part is.",
-        remedy="Give such work one stock without parts, or look at one part after the other.",
+        title="A turned part is not seen together with its stock",
+        what="A beam, a jet, a torch or an extruder works on stock with a part that stands turned in it (`rpy`). Beams "
+        "and beads see layers, and parts with the axes of their stock, together, as cutters do; a turned part is met "
+        "as if the stock were not there, and the stock as if it had a hole.",
+        why="Where one lies in the shade of the other, too much is taken, and beads see a hole where the part is.",
+        remedy="Give the part the axes of its stock, for example by a mesh that is turned.",
     ),
     Code(
         code="GS921",
