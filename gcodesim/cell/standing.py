@@ -6,6 +6,7 @@ from gcodesim.canon import Event
 from gcodesim.cell.cell import Cell
 from gcodesim.cell.language import devices_of
 from gcodesim.motion.standing import Standstill
+from gcodesim.rs274.dialects import DIALECTS
 
 
 def standing_of(cell: Cell, channel: str) -> Standstill:
@@ -19,6 +20,7 @@ def standing_of(cell: Cell, channel: str) -> Standstill:
 
     return Standstill(
         tool_change=cell.magazine.change_time,
+        tool_number=cell.magazine.change_time if DIALECTS[cell.channels[channel].dialect].prints else 0.0,
         run_up=0.0 if full is None else spindle.run_up / full,
         run_down=0.0 if full is None else spindle.run_down / full,
         switching=switching if awaited else None,

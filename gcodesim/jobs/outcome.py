@@ -249,17 +249,18 @@ def _times(
     rests: Sequence[TimedEvent], rapid: Any, row_time: Array, execution: Execution | None, standing: Standstill
 ) -> Times:
     """Where the time goes, from the time law."""
-    from gcodesim.canon import Spindle, ToolChange
+    from gcodesim.canon import Spindle, ToolChange, ToolNumber
 
     def stood(of: Callable[[Event], bool]) -> float:
         return float(sum(e.duration for e in rests if of(e.event)))
 
-    change = stood(lambda event: isinstance(event, ToolChange))
+    changes = (ToolChange, ToolNumber)
+    change = stood(lambda event: isinstance(event, changes))
     spindle = stood(lambda event: isinstance(event, Spindle))
     awaited = standing.switching
     devices = 0.0 if awaited is None else stood(lambda event: awaited(event) > 0.0)
     dwell = stood(
-        lambda event: not isinstance(event, (ToolChange, Spindle)) and (awaited is None or awaited(event) == 0.0)
+        lambda event: not isinstance(event, (*changes, Spindle)) and (awaited is None or awaited(event) == 0.0)
     )
     feed = float(row_time[~rapid].sum())
     engaged = 0.0

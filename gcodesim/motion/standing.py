@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TypeAlias
 
-from gcodesim.canon import Dwell, Event, Extrude, ToolChange
+from gcodesim.canon import Dwell, Event, Extrude, ToolChange, ToolNumber
 from gcodesim.frozen import frozen
 from gcodesim.motion.printer_law import filament_time
 from gcodesim.motion.tool_path import PathEvent
@@ -16,13 +16,15 @@ Duration: TypeAlias = Callable[[PathEvent], float]
 
 @frozen
 class Standstill:
-    """A `Duration`: dwells and filament last their own time, tool changes `tool_change` [s].
+    """A `Duration`: dwells and filament last their own time, tool changes `tool_change`, other calls of a tool, as by
+    the T of a printer, `tool_number` [s].
 
     `run_up` and `run_down` [s per rad/s] are the inverse of the spindle's acceleration and braking; a spindle that
     changes its sense brakes first. `switching` says how long what a word of the program switches is waited for.
     """
 
     tool_change: float = 0.0
+    tool_number: float = 0.0
     run_up: float = 0.0
     run_down: float = 0.0
     switching: Callable[[Event], float] | None = None
@@ -35,6 +37,8 @@ class Standstill:
             return filament_time(event)
         if isinstance(event, ToolChange):
             return self.tool_change
+        if isinstance(event, ToolNumber):
+            return self.tool_number if event.span.line else 0.0  # what is in at the start is of no line
         if noted.turns is not None:
             return self.spindle_time(*noted.turns)
         return 0.0 if self.switching is None else self.switching(event)

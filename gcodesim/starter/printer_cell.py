@@ -32,6 +32,11 @@ _FINEST: Final = 0.1 * MM
 _NOZZLE: Final = 0.4  # mm, the usual one
 _FILAMENT: Final = 1.75  # mm
 _WIDTHS: Final = ("extrusion_width", "line_width", "outer_wall_line_width", "extrusion_width_mm")
+_CHANGES: Final = (
+    ("filament_load_time", "filament_unload_time"),
+    ("machine_load_filament_time", "machine_unload_filament_time", "machine_tool_change_time"),
+)
+"""What a change of filament takes [s], as PrusaSlicer and as Bambu Studio and OrcaSlicer name its parts."""
 _NOZZLES: Final = ("nozzle_diameter", "nozzle_diameter_mm_0", "nozzle_dia_1")
 
 _KLIPPER = re.compile(
@@ -39,7 +44,9 @@ _KLIPPER = re.compile(
     rb"|^;[ \t]*gcode_flavor = klipper|^;FLAVOR:Klipper",
     re.MULTILINE,
 )
-_REPRAP = re.compile(rb"^[ \t]*M(?:566|572|593|98 )|^;[ \t]*gcode_flavor = reprap|^;FLAVOR:RepRap", re.MULTILINE)
+_REPRAP = re.compile(rb"^[ \t]*M(?:566|98 )|^;[ \t]*gcode_flavor = reprap|^;FLAVOR:RepRap", re.MULTILINE)
+_MARLIN = re.compile(rb"^;[ \t]*gcode_flavor = marlin\w*|^;FLAVOR:Marlin", re.MULTILINE)
+_REPRAP_OR_BUDDY = re.compile(rb"^[ \t]*M(?:572|593)\b", re.MULTILINE)  # newer firmware of Marlin's kind has them, too
 _SLICER = re.compile(
     rb"PrusaSlicer|OrcaSlicer|SuperSlicer|BambuStudio|Slic3r|Cura_SteamEngine|ideaMaker|Simplify3D|KISSlicer"
     rb"|Kiri:Moto|IceSL"
@@ -149,6 +156,8 @@ class PrinterCell:
             sizes = f"bead_width: {_mm(width)}, bead_height: {_mm(height)}"
             filament = f"filament_diameter: {self._filament(number):g}"
             lines.append(f"  {number}: {{type: extruder, {sizes}, {filament}, length: 40}}  # {said}")
+        if self._change_time > 0.0 and len(self._nozzles()) > 1:
+            lines += ["", f"magazine: {{change_time: {self._change_time:g} s}}  # of the filament, as the slicer says"]
         return ("\n".join(lines) + "\n").encode()
 
     @property
@@ -232,6 +241,11 @@ class PrinterCell:
         """The first number that settings have under one of `names`; 0 if none has."""
         return next((number for name in names if (number := _number(self.settings.get(name, ""))) > 0.0), 0.0)
 
+    @property
+    def _change_time(self) -> float:
+        """How long a change of filament takes [s]."""
+        return max(sum(_number(self.settings.get(name, "")) for name in names) for names in _CHANGES)
+
     def _filament(self, number: int) -> float:
         """Diameter [mm] of the filament of a nozzle."""
         listed = self.settings.get("filament_diameter") or self.settings.get("filamentdiameters", "")
@@ -257,7 +271,12 @@ def _choices(events: Iterable[Event | MoveBatch], chosen: set[int]) -> Iterator[
 
 
 def _dialect_of(raw: bytes) -> tuple[str, str]:
-    for name, pattern in (("klipper", _KLIPPER), ("reprapfirmware", _REPRAP)):
+    for name, pattern in (
+        ("klipper", _KLIPPER),
+        ("reprapfirmware", _REPRAP),
+        ("marlin", _MARLIN),
+        ("reprapfirmware", _REPRAP_OR_BUDDY),
+    ):
         if match := pattern.search(raw):
             word = match[0].strip().decode("utf-8", "replace")
             return name, f"`{word}` in line {raw.count(b'%c' % 10, 0, match.start()) + 1}"

@@ -6,7 +6,7 @@ import pytest
 
 from gcodesim.cell.loader import read_cell
 from gcodesim.diagnostics import Severity, SourceText
-from gcodesim.simulation import Options, prepare
+from gcodesim.simulation import Options, check, prepare
 from gcodesim.starter.first_cell import NoCellError, cell_for
 
 PRINTS = Path(__file__).parents[2] / "data" / "printing"
@@ -180,3 +180,40 @@ def test_sizes_of_kisslicer_and_icesl():
     icesl = "; <IceSL Sep  8 2021>\n; filament_diameter_mm_0 : \t2.85\n; nozzle_diameter_mm_0 : \t0.8\n"
     tool = cell_of(icesl + KISS[KISS.index("M82") :].replace("z_thickness", "z")).cell.tools[0]
     assert (tool.bead_width, tool.filament_diameter) == pytest.approx((0.9e-3, 2.85e-3))
+
+
+@pytest.mark.parametrize(
+    ("words", "dialect"),
+    [
+        ("M572 S0.036\nM593 X T2 F0\n; gcode_flavor = marlin2\n", "marlin"),
+        (";FLAVOR:Marlin\nM572 S0.036\n", "marlin"),
+        ("M572 S0.036\n", "reprapfirmware"),
+        ("M572 S0.036\n; gcode_flavor = reprapfirmware\n", "reprapfirmware"),
+        ("M566 X600\n; gcode_flavor = marlin\n", "reprapfirmware"),
+        ("SET_VELOCITY_LIMIT ACCEL=3000\n; gcode_flavor = marlin\n", "klipper"),
+    ],
+)
+def test_a_word_of_two_firmwares_is_of_the_one_that_the_slicer_wrote_for(words, dialect):
+    """M203 X400 is 400 mm/s to Marlin and 400 mm/min to RepRapFirmware: a print took seven times as long."""
+    assert f"dialect: {dialect} ".encode() in read(PRUSA + words)
+
+
+@pytest.mark.parametrize(
+    ("said", "seconds"),
+    [
+        ("; filament_load_time = 10.5,10.5\n; filament_unload_time = 8.5,8.5\n", 19.0),
+        ("; machine_load_filament_time = 29\n; machine_unload_filament_time = 28\n", 57.0),
+        ("", 0.0),
+    ],
+)
+def test_a_change_of_filament_takes_the_time_that_the_slicer_says(said, seconds):
+    program = PRUSA.replace("G1 Y60 E3.4\n", "G1 Y60 E3.4\nT1\nG1 X10 E5\nT1\nG1 Y10 E3.4\nT0\n") + said
+    loaded = cell_of(program)
+    job = prepare(SourceText("part.gcode", program.encode()), loaded, Options(world="kinematic"))
+
+    assert loaded.cell.magazine.change_time == seconds
+    assert check(job).times.tool_change == pytest.approx(2.0 * seconds)
+
+
+def test_one_nozzle_is_never_changed():
+    assert b"magazine" not in read(PRUSA + "; filament_load_time = 10.5\n")
