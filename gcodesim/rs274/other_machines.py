@@ -24,6 +24,7 @@ _SINUMERIK = re.compile(
     rb"|R[0-9]+[ \t]?=)",
     re.MULTILINE,
 )
+_NO_BLOCK = re.compile(rb"[:<>|,\[\]{}]|[A-Z]{4}")
 # returns and calls, work systems by G15 H1, common and system variables, jumps to names, home positions of OSP
 _OKUMA = re.compile(
     rb"(?:^|(?<=[ \t]))(RTS(?![A-Z0-9])|(?:CALL|MODIN)[ \t]+O[A-Z0-9]+|MODOUT(?![A-Z0-9])"
@@ -63,8 +64,9 @@ def foreign_of(source: SourceText) -> Foreign | None:
     words = _without_notes(head)
     if match := _OKUMA.search(words):  # it has `T=` and `Z=` as well
         return _found("Okuma", match, words)
-    if match := _SINUMERIK.search(words):
-        return _found("Sinumerik", match, words)
+    for match in _SINUMERIK.finditer(words):
+        if not _is_in_a_log(match, words):
+            return _found("Sinumerik", match, words)
     heaters = {match[1] for match in _HEATER.finditer(words)}
     if not heaters:
         return None
@@ -92,6 +94,14 @@ def lathe_of(source: SourceText, lathe: Lathe | None) -> Foreign | None:
 def _without_notes(text: bytes) -> bytes:
     """The text with blanks in place of comments, so that places stay."""
     return _NOTES.sub(lambda note: b" " * len(note.group()), text)
+
+
+def _is_in_a_log(match: re.Match[bytes], text: bytes) -> bool:
+    """Whether `T=` or `D=` stands in a line that is no block: what a sender keeps of what it sent and heard."""
+    if match[1][:1] not in (b"T", b"D"):
+        return False
+    begin = max(text.rfind(b"\n", 0, match.start()), text.rfind(b"\r", 0, match.start())) + 1
+    return _NO_BLOCK.search(text[begin : match.start()]) is not None
 
 
 def _found(kind: ForeignKind, match: re.Match[bytes], text: bytes, group: int = 1) -> Foreign:

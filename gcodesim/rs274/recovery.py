@@ -39,6 +39,7 @@ _BY_PARAMETER = frozenset(("GS120", "GS121", "GS123"))
 _BY_MODE = frozenset(("GS101", "GS104", "GS150", "GS170", "GS191"))
 _BY_FLOW = frozenset(("GS130", "GS132"))
 _NOT_FOUND = "GS131"
+_NOT_SIMULATED = "GS915"  # of a code that may have been a motion
 # codes by which the program's zero, or the meaning of a coordinate, changes, and which are not carried over
 _OF_FRAME = frozenset(
     f"g{code}"
@@ -116,6 +117,7 @@ class Recovery:
         bare = _NAMED.sub("", _squeezed(squeezed))
         self._doubt_unread(bare, _PLAIN_WORD.findall(squeezed), words)
         codes = codes_in(bare)
+        self.motion = self.motion or fault.code == _NOT_SIMULATED
         self.frame = self.frame or not codes.isdisjoint(_OF_FRAME)
         return Doubt(
             spindle=self.spindle,

@@ -15,7 +15,7 @@ from gcodesim.kinematics.models import MODELS
 from gcodesim.rs274 import Settings, ToolEntry, ToolTable, interpret
 from gcodesim.rs274.dialects import DIALECTS
 from gcodesim.rs274.other_machines import lathe_of
-from gcodesim.units import MM, RPM
+from gcodesim.units import INCH, MM, RPM
 
 _MODEL: Final = "lathe_xz"
 _MOST_TOOLS: Final = 99
@@ -33,19 +33,28 @@ _KINDS: Final = (
     ("boring_tool", re.compile(r"\bBOR(?:E|ING)\b|\bI\.?D\.?\b|AUSDREH", re.IGNORECASE)),
     ("drill", re.compile(r"DRILL|BOHR", re.IGNORECASE)),
 )
+# lists of tools in Haas programs: `(T02 = 35* Finish Turning Tool, Tool Nose Radius: .0157, Tool Tip: 3)`
+_TOLD: Final = re.compile(r"\bT[0O]?([0-9]{1,2})\s*=\s*(.*)", re.IGNORECASE)
+_NOSE: Final = re.compile(r"(?:NOSE|TIP) RADIUS\s*[:=]?\s*([0-9]*\.?[0-9]+)\s*(MM|IN|\")?", re.IGNORECASE)
+_TIP: Final = re.compile(r"\bTIP\s*[:=]\s*([1-9])\b", re.IGNORECASE)
+# where the nose lies, as Fanuc and Haas count, which see X the other way round than LinuxCNC
+_TIPS: Final = {1: 4, 2: 3, 3: 2, 4: 1, 5: 5, 6: 8, 7: 7, 8: 6, 9: 9}
+_ANGLE: Final = re.compile(r"\b([1-9][0-9])\s*(?:\*|°|DEG)", re.IGNORECASE)
 _INSERT: Final = re.compile(r"\b([CDSTVRW][A-Z]{3}\s?\d{6})\b", re.IGNORECASE)
 _OF_MACHINE: Final = re.compile(r"^[^(;\n]*\bG0*53\b(?!\.[1-9])", re.IGNORECASE | re.MULTILINE)
+_INCH: Final = re.compile(r"\bG0*20\b(?!\.[1-9])", re.IGNORECASE)
 _NOTE: Final = re.compile(r"\(([^()]*)\)|;(.*)")
 
 
 @dataclass(slots=True)
 class _Use:
-    """What a tool does; lengths [m], radii. `comment` stands at its first call, in `line`."""
+    """What a tool does; lengths [m], radii. `comment` stands at its first call, or in a list of tools, in `line`."""
 
     line: int = 0
     comment: str = ""
-    threads: bool = False
+    inch: bool = False
     feeds: list[tuple[float, float, float, float]] = field(default_factory=list)  # radius, z at begin and end
+    threads: list[tuple[float, float, float, float]] = field(default_factory=list)  # the same of passes with a pitch
 
     @property
     def kind(self) -> str:
@@ -83,8 +92,9 @@ class LatheCell:
         settings = Settings(dialect=dialect, tool_table=table, has_cell=True, turns=True)
         run = interpret(program, settings)
         uses, fastest, first = _uses(iter(run), program)
+        _take_list(uses, program)
         error = next((f.span.line for f in run.findings if f.level >= Severity.ERROR), 0)
-        if not any(use.feeds for use in uses.values()):
+        if not any(use.feeds or use.threads for use in uses.values()):
             return None
         return LatheCell(
             program=program.name,
@@ -98,17 +108,23 @@ class LatheCell:
         )
 
     @property
+    def _feeds(self) -> list[tuple[float, float, float, float]]:
+        """Radius and z at begin and end of all feeds; threads begin and end beside the work, and count if all are."""
+        feeds = [feed for use in self.uses.values() for feed in use.feeds]
+        return feeds or [each for use in self.uses.values() for each in use.threads]
+
+    @property
     def _radius(self) -> float:
         """Of the bar: as thick as what is turned along Z below the face, and a little more."""
-        turned = [max(a, b) for use in self.uses.values() for a, z, b, w in use.feeds if z != w and min(z, w) < 0.0]
-        feeds = [max(a, b) for use in self.uses.values() for a, _, b, _ in use.feeds]
+        turned = [max(a, b) for a, z, b, w in self._feeds if z != w and min(z, w) < 0.0]
+        feeds = [max(a, b) for a, _, b, _ in self._feeds]
         return math.ceil(2.0 * max(turned or feeds) / MM) * 0.5 * MM + 0.5 * _BESIDE
 
     @property
     def _span(self) -> tuple[float, float]:
         """Lower end and face of the bar."""
-        low = min(min(z, w) for use in self.uses.values() for _, z, _, w in use.feeds)
-        radial = [(a, z, b) for use in self.uses.values() for a, z, b, w in use.feeds if z == w and z > low]
+        low = min(min(z, w) for _, z, _, w in self._feeds)
+        radial = [(a, z, b) for a, z, b, w in self._feeds if z == w and z > low]
         faced = [z for a, z, b in radial if min(a, b) < _AXIS]
         top = max([0.0, *faced]) + (_BESIDE if faced else 0.0)
         return math.floor((low - _FREE - _GRIP) / MM) * MM, top
@@ -202,17 +218,28 @@ def _uses(events: Iterator[canon.Event], program: SourceText) -> tuple[dict[int,
             here = (float(event.end[0]), float(event.end[2]))
             if at is not None and isinstance(event, canon.LinearFeed | canon.ArcFeed):
                 use = uses.setdefault(number, _Use())
-                if getattr(event, "pitch", None) is None:
-                    use.feeds.append((at[0], at[1], *here))
-                else:
-                    use.threads = True  # its moves begin and end beside the work
+                passes = use.feeds if getattr(event, "pitch", None) is None else use.threads
+                passes.append((at[0], at[1], *here))
             at = here
     loose = uses.pop(0, None)
     first = 0
     if loose is not None:
         first = 1 if not uses else 0
-        uses.setdefault(1 if first else min(uses), _Use()).feeds.extend(loose.feeds)
+        taken = uses.setdefault(1 if first else min(uses), _Use())
+        taken.feeds.extend(loose.feeds)
+        taken.threads.extend(loose.threads)
     return uses, fastest, first
+
+
+def _take_list(uses: dict[int, _Use], program: SourceText) -> None:
+    """Give tools what a list of tools in comments says about them."""
+    inch = _INCH.search(_NOTE.sub(" ", program.text)) is not None
+    for number, text in enumerate(program.lines, start=1):
+        for note in _NOTE.finditer(text):
+            found = _TOLD.match((note[1] or note[2] or "").strip())
+            use = uses.get(int(found[1])) if found else None
+            if found and use is not None:
+                use.line, use.comment, use.inch = number, found[2].strip(), inch
 
 
 def _comment(program: SourceText, line: int) -> str:
@@ -229,12 +256,28 @@ def _tool(use: _Use) -> str:
     insert = _INSERT.search(use.comment)
     if insert and use.kind in ("turning_tool", "boring_tool"):
         keys.append(f"insert: {insert[1].replace(' ', '').upper()}")
+    elif use.kind in ("turning_tool", "boring_tool"):
+        keys += _nose(use)
     if use.kind in ("grooving_tool", "parting_tool"):
         keys.append(f"width: {_mm(_width(use.comment))} mm")
     if use.kind == "drill":
         keys.append("diameter: 10 mm")
     note = use.comment.replace("\n", " ") or "guessed"
     return f"{{{', '.join(keys)}}}    # {note}"
+
+
+def _nose(use: _Use) -> list[str]:
+    """What the comment of a turning tool says about its tip."""
+    keys = []
+    if (radius := _NOSE.search(use.comment)) and float(radius[1]):
+        unit = {"MM": MM, "": INCH if use.inch else MM}.get((radius[2] or "").upper(), INCH)
+        keys.append(f"nose_radius: {_mm(float(radius[1]) * unit)} mm")
+    if angle := _ANGLE.search(use.comment):
+        keys.append(f"tip_angle: {angle[1]} deg")
+    tip, usual = _TIP.search(use.comment), 2 if use.kind == "turning_tool" else 3
+    if tip and _TIPS[int(tip[1])] != usual:
+        keys.append(f"orientation: {_TIPS[int(tip[1])]}")
+    return keys
 
 
 def _width(comment: str) -> float:

@@ -166,7 +166,8 @@ _SKIPPED = (
 
 _LATHE = Lathe(
     words=re.compile(
-        rb"(?<![A-Z0-9])(G(?:50[ \t]*S|7[0-3][ \t]*[PQUW]|28[ \t]*[UW]|76[ \t]*P[ \t]*[0-9]{5,6}(?![0-9.])))"
+        rb"(?<![A-Z0-9])(G(?:50[ \t]*S|7[0-3][ \t]*[PQUW]|28[ \t]*[UW]|76[ \t]*P[ \t]*[0-9]{5,6}(?![0-9.]))"
+        rb"|T(0[1-9])\2(?![0-9.]))"
     ),
     changes_by_m6=False,
     refused=True,

@@ -90,6 +90,7 @@ LINUXCNC = Dialect(
     user_m_codes=range(100, 200),
     letters=frozenset("abcdefghijklmpqrstuvwxyz@^$"),
     lathe=_LATHE,
+    unsimulated={62: "a NURBS curve with knots and weights (LinuxCNC 2.10)"},
     # the remaps of its five-axis configurations: kinematics with the tip, and without (manual, "Switchable Kinematics")
     tip_m_codes={428: True, 429: False},
 )

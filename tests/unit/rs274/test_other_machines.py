@@ -95,3 +95,14 @@ def test_codes_of_lathes_and_of_haas_are_named(program) -> None:
     assert millimetres.code == "GS915" and "G21" in millimetres.message
     [pocket] = program("G0 X1 Y1\nG13 I5 D1 F100\nM30\n", dialect="fanuc").errors
     assert pocket.code == "GS915" and "Haas" in pocket.message
+
+
+def test_a_turret_that_is_called_with_its_offset_is_a_lathes(program) -> None:
+    done = program("%\nO0007\nT0101\nG97 S800 M3\nG0 X52. Z2.\nG1 Z-30. F.2\nM30\n%\n", dialect="fanuc")
+
+    assert [(f.code, f.span.line) for f in done.errors] == [("GS016", 3)]
+
+
+def test_what_a_sender_kept_of_its_talk_names_no_control() -> None:
+    assert foreign_of(SourceText("log.nc", b"12:01 > G21\n[MSG: D=3 sent]\nBUFFER D=7\nG1 X10 F100\n")) is None
+    assert foreign_of(SourceText("part.mpf", SINUMERIK.encode())) is not None

@@ -119,3 +119,37 @@ def test_on_linuxcnc_they_do_where_the_program_says_so() -> None:
     assert "nose" not in made(plain)[1] and "machine: lathe_xz" in made(plain)[1]
     assert "nose" in made(plain.replace("M5\n", "G53 G0 X0\nG53 G0 Z0\nM5\n"))[1]
     assert "nose" not in made(plain.replace("M5\n", "(G53 G0 X0)\nM5\n"))[1]
+
+
+THREAD = """%
+O1234
+G00 G18 G20 G40 G80 G99
+T0303
+G97 S500 M03
+G00 G54 X0.7 Z0.2
+G76 X0.4069 Z-0.75 K0.0491 D0.01 F0.0769
+G53 G00 X0.0
+M30
+%
+"""
+
+
+def test_a_program_that_only_threads_gets_a_bar_as_thick_as_its_thread() -> None:
+    tools, text = made(THREAD)
+
+    assert "dialect: fanuc_lathe" in text and tools == {3: "threading_tool"}
+    assert "cylinder: [14 mm" in text  # 0.5051 in = 12.8 mm
+
+
+def test_a_list_of_tools_in_comments_says_what_their_tips_are() -> None:
+    """Haas counts the tip of an outside tool as 3, that of an inside tool as 2; letters O stand for zeros."""
+    _, text = made(
+        "%\nO2004\n(TO1 = 80* Rough Turning Tool, Insert: 02-0083, Tool Nose Radius: .0315, Tool Tip: 3)\n"
+        "(T02 = 35* Boring Tool, Tool Nose Radius: .4 mm, Tool Tip: 2)\n(T04 = Turning Tool, Tool Tip: 4)\n"
+        "G20 G99\nG50 S1000\nT0101\nG96 S500 M03\nG00 X1.6 Z0.1\nG01 X1.2 F0.01\nZ-1.\nX1.6\n"
+        "T0202\nG00 X0.5 Z0.1\nG01 Z-.5\nG00 Z1.\nT0404\nG00 X1.6\nG01 Z-1.\nM30\n%\n"
+    )
+
+    assert "1: {type: turning_tool, nose_radius: 0.8 mm, tip_angle: 80 deg}    # 80* Rough Turning Tool" in text
+    assert "2: {type: boring_tool, nose_radius: 0.4 mm, tip_angle: 35 deg}    # 35* Boring" in text
+    assert "4: {type: turning_tool, orientation: 1}" in text

@@ -324,3 +324,10 @@ def test_words_of_several_lines_set_no_zero() -> None:
 def test_a_line_without_end_is_read_in_one_go(hostile: str) -> None:
     """Each of them took minutes once, the square of its length."""
     assert survey(source(f"G21\n{hostile * 200_000}\nM2\n")).systems == {}
+
+
+def test_a_nurbs_curve_alone_does_not_make_a_program_fanucs() -> None:
+    """G6.2 is a code of LinuxCNC 2.10, too, and as little simulated there."""
+    curve = "G21 G90 F200\nM3 S200\nG6.2 X1 Y0 R1 K0 P3 Q1\nX2 Y1 R1 K0\nX3 Y0 R1 K1\nG6.2 K1\nG0 Z50\nM5\nM2\n"
+
+    assert survey(source("T1 M6\n" + curve)).dialect == "linuxcnc"
