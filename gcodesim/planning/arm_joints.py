@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from gcodesim.frames import Array
 from gcodesim.frozen import frozen
+from gcodesim.kinematics.path_kernels import JUMP
 from gcodesim.motion.trajectory import Samples
 from gcodesim.planning.flange import Flange
 from gcodesim.planning.joint_moves import JointMove
@@ -48,7 +49,7 @@ class ArmJoints:
         bridge = ~own & self.bridged[after]
         # runs of samples on one joint move, on one bridge, or of exact joints between them
         run = np.where(own, 3 * samples.piece, 3 * np.cumsum(pieces.fixed)[samples.piece] + 1 + bridge)
-        starts = np.flatnonzero(np.append(True, run[1:] != run[:-1]))
+        starts = np.flatnonzero(np.append(True, (run[1:] != run[:-1]) | self._far(after)))
         for a, b in zip(starts, np.append(starts[1:], len(run)), strict=True):
             if own[a]:
                 q[a:b] = self.moves[int(samples.piece[a])].at(samples.s[a:b])
@@ -58,6 +59,16 @@ class ArmJoints:
                 seed = int(after[a]) - (not self.nodes.head[after[a]])
                 q[a:b] = self._exact(samples.piece[a:b], samples.s[a:b], samples.position[a:b], self.q_nodes[seed])
         return q
+
+    def _far(self, node: NDArray[np.intp]) -> NDArray[np.bool_]:
+        """Whether joints at the nodes (k,) of two samples in a row are so far apart (k - 1,) that none follow from others.
+
+        Of places that leave much of the path out, the inverse kinematics would take a turn or a branch that is nearer.
+        """
+        skips = np.flatnonzero(np.diff(node) > 1)
+        far = np.zeros(max(len(node) - 1, 0), dtype=bool)
+        far[skips] = np.abs(self.q_nodes[node[skips + 1]] - self.q_nodes[node[skips]]).max(axis=1) > JUMP
+        return far
 
     def _exact(self, piece: NDArray[np.int64], s: Array, position: Array, seed: Array) -> Array:
         X, guide = self.flange.poses(piece, s, position), self.flange.guide

@@ -74,6 +74,14 @@ def test_windows_of_a_turning_tool_give_the_same_joints_as_the_whole(twice):
     assert len(samples) == len(q)
 
 
+def test_a_few_places_of_a_turning_tool_give_the_same_joints_as_the_whole(twice):
+    """Collision checks ask for joints where stretches are bent; what lies between is left out."""
+    _, q, _ = sampled(twice)
+    for every in (1000, 12_000, 15_000):
+        few = twice.trajectory.sample(np.arange(0, len(q), every) * DT)
+        assert np.abs(twice.joints(few) - q[::every]).max() < 1e-9
+
+
 def test_the_same_path_gives_the_same_bits(twice):
     assert sampled(around("ur10e", 1.8))[1].tobytes() == sampled(twice)[1].tobytes()
 
