@@ -61,7 +61,7 @@ class ArmJoints:
         return q
 
     def _far(self, node: NDArray[np.intp]) -> NDArray[np.bool_]:
-        """Whether joints at the nodes (k,) of two samples in a row are so far apart (k - 1,) that none follow from others.
+        """Whether joints at the nodes (k,) of samples in a row are too far apart (k - 1,) to follow from each other.
 
         Of places that leave much of the path out, the inverse kinematics would take a turn or a branch that is nearer.
         """

@@ -40,11 +40,12 @@ class JointCaps(NamedTuple):
 def joint_rates(jacobian: Column, first: Column, last: Column) -> tuple[Column, Column]:
     """Joint rates (n, j) twice: for velocities `first` and `last` of the flange, (n, 3), or (n, 6) where it turns.
 
-    Solves J q' = (v, w): by elimination where J is square, else the shortest q'.
-    A singular J gives rates that are finite and far beyond any limit.
+    Solves J q' = (v, w): by elimination where J is square; with more joints the shortest q', with fewer the one that
+    comes nearest. A singular J gives rates that are finite and far beyond any limit.
     """
     n, j = jacobian.shape[0], jacobian.shape[2]
     out0, out1 = np.zeros((n, j)), np.zeros((n, j))
+    m = min(j, 6)
     A = np.zeros((6, 6))
     b = np.zeros((6, 2))
     for i in range(n):
@@ -55,6 +56,18 @@ def joint_rates(jacobian: Column, first: Column, last: Column) -> tuple[Column, 
             b[r, 1] = last[i, r]
         if j == 6:
             A[:, :] = J
+        elif j < 6:
+            for r in range(j):
+                b[r, 0], b[r, 1] = 0.0, 0.0
+                for k in range(first.shape[1]):
+                    b[r, 0] += J[k, r] * first[i, k]
+                    b[r, 1] += J[k, r] * last[i, k]
+                for c in range(j):
+                    total = 0.0
+                    for k in range(6):
+                        total += J[k, r] * J[k, c]
+                    A[r, c] = total
+                A[r, r] += 1e-12
         else:
             for r in range(6):
                 for c in range(6):
@@ -63,33 +76,33 @@ def joint_rates(jacobian: Column, first: Column, last: Column) -> tuple[Column, 
                         total += J[r, k] * J[c, k]
                     A[r, c] = total
                 A[r, r] += 1e-12
-        for c in range(6):
+        for c in range(m):
             best = c
-            for r in range(c + 1, 6):
+            for r in range(c + 1, m):
                 if abs(A[r, c]) > abs(A[best, c]):
                     best = r
             if best != c:
-                for k in range(6):
+                for k in range(m):
                     A[c, k], A[best, k] = A[best, k], A[c, k]
                 for k in range(2):
                     b[c, k], b[best, k] = b[best, k], b[c, k]
             if abs(A[c, c]) < SMALLEST_PIVOT:
                 A[c, c] = SMALLEST_PIVOT
-            for r in range(c + 1, 6):
+            for r in range(c + 1, m):
                 f = A[r, c] / A[c, c]
-                for k in range(c, 6):
+                for k in range(c, m):
                     A[r, k] -= f * A[c, k]
                 b[r, 0] -= f * b[c, 0]
                 b[r, 1] -= f * b[c, 1]
-        for r in range(5, -1, -1):
-            for k in range(r + 1, 6):
+        for r in range(m - 1, -1, -1):
+            for k in range(r + 1, m):
                 b[r, 0] -= A[r, k] * b[k, 0]
                 b[r, 1] -= A[r, k] * b[k, 1]
             b[r, 0] /= A[r, r]
             b[r, 1] /= A[r, r]
-        if j == 6:
-            out0[i] = b[:, 0]
-            out1[i] = b[:, 1]
+        if j <= 6:
+            out0[i] = b[:j, 0]
+            out1[i] = b[:j, 1]
         else:
             for k in range(j):
                 for r in range(6):

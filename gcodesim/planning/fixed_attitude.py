@@ -23,6 +23,7 @@ from gcodesim.diagnostics import Findings
 from gcodesim.frames import Array, Pose
 from gcodesim.frozen import frozen
 from gcodesim.kinematics.attitude import Direction, WordTurns
+from gcodesim.kinematics.pointing import PointingArm
 from gcodesim.kinematics.protocol import Status
 from gcodesim.motion.blend import blend
 from gcodesim.motion.pieces import AxisLimits, Pieces
@@ -166,12 +167,15 @@ class FixedAttitude:
             at_start = multiplied(at_start, bend[0, :3, :3].T)
         near = spin_of(at_start, R_BO[0] if len(path) else self.upright)
         around = Around.on_rows(self.obstacles, path, probe.row) if self.outside is None else None
-        choice = choose_spin(arm, probe, own, near, self.spin, around)
+        pointing = self._pointing(arm, bend)
+        arm = arm if pointing is None else pointing
+        choice = choose_spin(arm, probe, own, near, self.spin if pointing is None else near, around)
         limits = choice.limits if guide is None else _with_words(choice.limits, guide, kinematics.joints)
         path = self._in_the_work(path)
         soft = bool(np.isfinite(kinematics.joints.jerk).any())
         pieces = blend(path, limits, own_time=np.where(rows.joint, 1.0, np.nan), even=soft)
-        flange = Flange(pieces, R_BO, offsets(path)[:, :3], choice.spin, guide=guide, bend=bend)
+        loose = pointing is not None
+        flange = Flange(pieces, R_BO, offsets(path)[:, :3], choice.spin, guide=guide, bend=bend, loose=loose)
         at_home = pieces.fixed & rows.home[pieces.row_first]
         if self.surface is not None and guide is not None:
             tipped = Tipped(rows=np.ones(len(path), dtype=bool), X_MB=self.X_BM.inverse(), joint_heads=True)
@@ -191,7 +195,7 @@ class FixedAttitude:
             nodes, q_own, status = solved
             bridged = _bridge(nodes, q_own, status)
             q_nodes = q_own if self.outside is None else self._together(flange, nodes, q_own)
-            caps = ArmCaps.of(kinematics, flange, nodes, q_nodes, bridged)
+            caps = ArmCaps.of(kinematics if self.outside is not None else arm, flange, nodes, q_nodes, bridged)
             finer = nodes.split(caps.parts) if refinement + 1 < _REFINEMENTS else None
             if finer is None:
                 break
@@ -214,8 +218,14 @@ class FixedAttitude:
         caps = caps.softened(nodes, kinematics.joints.jerk)
         for piece, move in moves.items():
             pieces.length[piece] = pieces.curves.length[pieces.curve[piece]] = max(move.duration, SHORTEST)
-        joints = ArmJoints(kinematics, flange, nodes, q_nodes, bridged, home, moves, grips)
+        joints = ArmJoints(arm, flange, nodes, q_nodes, bridged, home, moves, grips)
         return Posed(pieces, joints, caps.with_moves())
+
+    def _pointing(self, arm: Kinematics, bend: Array | None) -> PointingArm | None:
+        """The arm as one that only points its tool, where its joints are too few for more and nobody asks for more."""
+        if self.spin is not None or self.outside is not None or bend is not None:
+            return None
+        return PointingArm.of(arm)
 
     def _bends(self, path: ToolPath) -> Array | None:
         """X_NF (n, 4, 4) of the tool of each row; None where all tools are straight."""
@@ -346,7 +356,7 @@ class FixedAttitude:
         It keeps clear of obstacles, or else passes through them. Where there is no way, they are as they were, with
         what has been told of that.
         """
-        free = self.spin is None
+        free = self.spin is None and not flange.loose
         straight = flange.unturned() if free else flange
         dense = simple[0] if len(simple[0]) > len(nodes) else nodes
         if not dense.chains:

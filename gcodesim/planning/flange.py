@@ -28,6 +28,7 @@ class Flange:
     """Where the flange has to be when the controlled point is somewhere on the pieces.
 
     A `guide` turns the frame O along the path, or carries the work or the arm; without one O stands still in each row.
+    `loose`: the arm turns the tool about itself as it has to, whatever the spin is.
     """
 
     pieces: Pieces
@@ -37,6 +38,7 @@ class Flange:
     turning: SpinAlong | None = None  # of the tool about itself along the path, on top of `spin`
     guide: Guide | None = None
     bend: Array | None = None  # X_NF of every row (n, 4, 4) where some tool is bent
+    loose: bool = False
 
     def poses(self, piece: NDArray[np.int64], s: Array, positions: Array) -> Array:
         """X_BF (k, 4, 4) with the controlled point at `positions` (k, 6), which are at `s` (k,) of `piece` (k,)."""
@@ -96,6 +98,8 @@ class Flange:
         return replace(self, spin=0.0, turning=None)
 
     @property
-    def last_spin(self) -> float:
-        """The spin [rad] at the end of the path."""
+    def last_spin(self) -> float | None:
+        """The spin [rad] at the end of the path; None where it is loose."""
+        if self.loose:
+            return None
         return self.spin if self.turning is None else self.spin + float(self.turning.spin[-1])

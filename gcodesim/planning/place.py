@@ -57,20 +57,25 @@ def _paths_of(plan: Plan) -> list[ArmJoints]:
     return [leg.joint_path for leg in legs if isinstance(leg.joint_path, ArmJoints)]
 
 
+def arm_of(plan: Plan) -> Kinematics:
+    """What finds the joints of an arm on the cuts of its plan."""
+    return next((path.kinematics for path in _paths_of(plan)), plan.kinematics)
+
+
 def cuts_of(plan: Plan, posing: FixedAttitude) -> list[Passage]:
     """What an arm has to run without a jump, one cut for each stretch between joint moves, and what stands around."""
     paths = _paths_of(plan)
     total = sum(len(path.nodes) for path in paths)
-    free = posing.spin is None
     cuts = []
     for path in paths:
+        free = posing.spin is None and not path.flange.loose
         flange = path.flange.unturned() if free else path.flange
         nodes, length = path.nodes, flange.pieces.length
         # joint moves have got their times since nodes were placed at their ends
         nodes = Nodes(nodes.piece, np.where(nodes.head, length[nodes.piece], nodes.s), nodes.head)
         rungs = _RUNGS * len(nodes) // max(total, 1)
         cuts += [
-            cut_through(plan.kinematics, flange, nodes, chain, rungs, free, posing.obstacles)[1]
+            cut_through(path.kinematics, flange, nodes, chain, rungs, free, posing.obstacles)[1]
             for chain in range(len(nodes.chains))
         ]
     return cuts

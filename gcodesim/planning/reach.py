@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from gcodesim.arithmetic.distinct import distinct
 from gcodesim.diagnostics import Diagnostic, Findings
 from gcodesim.frames import Array
+from gcodesim.kinematics.pointing import ALL_SIDES
 from gcodesim.kinematics.protocol import Status
 from gcodesim.motion.pieces import Pieces
 from gcodesim.planning.nodes import Nodes
@@ -18,13 +19,13 @@ from gcodesim.planning.spin_choice import SampledPath, SpinChoice
 from gcodesim.units import DEG, MM, MM_PER_MINUTE
 
 if TYPE_CHECKING:
+    from gcodesim.kinematics.chain import Joints
     from gcodesim.kinematics.protocol import Kinematics, Reason
     from gcodesim.planning.loads import Slowing
     from gcodesim.planning.route_findings import ToldEnd
 
 # status of the inverse kinematics -> code
 _CODES: Final = {1: "GS202", 2: "GS203", 4: "GS205"}
-_ALL_SIDES: Final = 6  # joints with which an arm holds its tool at any angle
 _SLOW: Final = 0.5  # of the feed: below, the arm is near a singularity
 _WORTH_A_NOTE: Final = 0.99
 _BISECTIONS: Final = 30
@@ -98,15 +99,23 @@ def why(kinematics: Kinematics, reason: Reason) -> str:
     unit, factor = ("mm", MM) if reason.unit == "m" else ("deg", DEG)
     value, limit = reason.value / factor, reason.limit / factor
     if reason.status == 1 and not reason.what:
-        count = len(kinematics.joints.names)
-        few = f"; {count} joint{'s' if count > 1 else ''} cannot turn it to all sides" if count < _ALL_SIDES else ""
-        return f"out of reach: no position of the joints holds the tool so at this place{few}"
+        return f"out of reach: no position of the joints holds the tool so at this place{_too_few(kinematics.joints)}"
     if reason.status == 1:
         side = "at most" if reason.value > reason.limit else "at least"
         return f"out of reach: {reason.what} would be {value:.1f} {unit}, {side} {limit:.1f} {unit} can be had"
     if reason.status == 2:
         return f"joint limit: {reason.what} would go to {value:.1f} {unit}, its limit is {limit:.1f} {unit}"
     return f"the arm has to flip: {reason.what} by {value:.1f} {unit}"
+
+
+def _too_few(joints: Joints) -> str:
+    """Why joints that are fewer than six do not bring a tool to any attitude."""
+    count = len(joints)
+    if count >= ALL_SIDES:
+        return ""
+    if "revolute" not in joints.kinds:
+        return "; none of them turns it"
+    return f"; {count} joint{'s' if count > 1 else ''} cannot turn it to all sides"
 
 
 def _where_it_begins(

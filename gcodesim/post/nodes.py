@@ -44,7 +44,7 @@ class PlannedArm:
     @property
     def arm(self) -> Kinematics:
         """The arm alone."""
-        return self.plan.kinematics if self.assembly is None else self.assembly.arm
+        return self.joints.kinematics if self.assembly is None else self.assembly.arm
 
     @property
     def keeps_attitude(self) -> bool:
@@ -130,7 +130,7 @@ class PlannedArm:
         X = flange.poses(piece, s, position)
         guide = flange.guide
         if guide is None or guide.outside is None:
-            return self._place(self.plan.kinematics.inverse(X, seed)[0][0], row)
+            return self._place(self.joints.kinematics.inverse(X, seed)[0][0], row)
         assembly = guide.outside.assembly
         q = assembly.arm.inverse(X, seed[assembly.own])[0]
         return self._place(assembly.together(q, guide.outside.values(piece, s, position))[0], row)

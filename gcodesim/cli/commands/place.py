@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from gcodesim.checks.postures import Postures
     from gcodesim.diagnostics import SourceText
     from gcodesim.frames import Array
+    from gcodesim.kinematics.protocol import Kinematics
     from gcodesim.planning.place import Spot
     from gcodesim.shop import Shop
 
@@ -63,7 +64,15 @@ def run(arguments: argparse.Namespace) -> int:
     from gcodesim.cli.output import print_json
     from gcodesim.jobs.job import Options
     from gcodesim.planning.fixed_attitude import FixedAttitude
-    from gcodesim.planning.place import best_place, cuts_of, margin_outside, outside_cuts_of, places, places_by
+    from gcodesim.planning.place import (
+        arm_of,
+        best_place,
+        cuts_of,
+        margin_outside,
+        outside_cuts_of,
+        places,
+        places_by,
+    )
     from gcodesim.planning.shop_posing import posing_of
     from gcodesim.simulation import prepare
     from gcodesim.units import MM
@@ -89,16 +98,16 @@ def run(arguments: argparse.Namespace) -> int:
     outside = [] if posing.outside is None else outside_cuts_of(job.plan, posing)
     if not (cuts or outside):
         raise UsageError("the program moves nothing along a path")
-    R_BW = shop.X_WB.inverse().R
+    arm, R_BW = arm_of(job.plan), shop.X_WB.inverse().R
     within, step = np.array(arguments.within) * MM, arguments.step * MM
     if outside:
         found = places_by(lambda shift: margin_outside(outside, shift), R_BW, within, step)
     else:
-        found = places(shop.kinematics, cuts, R_BW, within, step, posing.branches)
+        found = places(arm, cuts, R_BW, within, step, posing.branches)
     now, best = found[0], best_place(found, step)
     shift = None if best is None else (-best.shift if arguments.arm else best.shift)
     moved = [] if shift is None else _moved(shop, systems, shift, arguments.arm)
-    files = [] if arguments.out is None else _draw(arguments.out, shop, cuts, R_BW, best, posing.branches)
+    files = [] if arguments.out is None else _draw(arguments.out, shop, arm, cuts, R_BW, best, posing.branches)
     if arguments.write and best is not None:
         _write(arguments.cell, source, moved)
     good = [place for place in found if place.good]
@@ -182,7 +191,13 @@ def _write(path: Path, source: SourceText, moved: list[Shifted]) -> None:
 
 
 def _draw(
-    folder: Path, shop: Shop, cuts: list[Any], R_BW: Array, best: Spot | None, branches: tuple[int, ...] | None
+    folder: Path,
+    shop: Shop,
+    arm: Kinematics,
+    cuts: list[Any],
+    R_BW: Array,
+    best: Spot | None,
+    branches: tuple[int, ...] | None,
 ) -> list[str]:
     """Picture and mesh of what the tip reaches; their names."""
     from io import BytesIO
@@ -195,7 +210,7 @@ def _draw(
     from gcodesim.report.reach_picture import mesh_of, picture_of
 
     base = shop.X_WB.p
-    region = region_of(shop.kinematics, cuts, R_BW, base, branches)
+    region = region_of(arm, cuts, R_BW, base, branches)
     path = shop.X_WB.apply(np.concatenate([cut.X_BT[:, :3, 3] for cut in cuts]))
     mesh = BytesIO()
     write_stl(mesh_of(region), mesh)
