@@ -11,9 +11,11 @@ from enum import StrEnum
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gcodesim.frames import Array
 from gcodesim.frozen import frozen
+from gcodesim.kinematics.chain import Indices
 from gcodesim.planning.arm_kernels import joint_rates
 from gcodesim.planning.ladder import Passage, Rungs, rungs_of
 from gcodesim.planning.ladder_kernels import ENDLESS, TURN, Rails, earliest, link, shortest, trace, widest
@@ -50,13 +52,15 @@ class Hindrance(StrEnum):
 class LadderWay:
     """Joints q (n, j) and spins (n,) [rad] through a cut.
 
-    `margin` is their least distance from limits and `travel` the sum of what all of them go [rad, m].
+    `margin` is their least distance from limits and `travel` the sum of what all of them go [rad, m]. `vectors` (n,)
+    are those of the ladder that it came from.
     """
 
     q: Array
     spins: Array
     margin: float
     travel: float
+    vectors: Indices
 
 
 @frozen(eq=False)
@@ -140,7 +144,7 @@ def even_way(
     way: LadderWay | None = None
     for steps in (None, *_WITHIN) if cut.free else (None,):
         tried = grid(cut, spins) if steps is None or way is None else _spins_beside(way, steps * TURN / spins)
-        rungs = rungs_of(kinematics, cut, tried, branches)
+        rungs = rungs_of(kinematics, cut.without_obstacles(), tried, branches)
         if not rungs.counts.all():
             return None
         rails = link(rungs.ladder, cut.step, True)
@@ -148,8 +152,57 @@ def even_way(
         if best < 0.0:
             return None
         rails.way[: rails.first[-1]] += np.repeat(_toll(kinematics, rungs.ladder.q), np.diff(rails.first))
-        way = way_with(rungs, rails, min(_SHARE * best, margin), start)
+        way = _free_way(cut, rungs, rails, best, margin, start)
+        if way is None:
+            return None
     return way
+
+
+def _free_way(cut: Passage, rungs: Rungs, rails: Rails, best: float, margin: float, start: Array) -> LadderWay | None:
+    """The cheapest way that hits nothing, on a ladder whose vectors nobody has asked about that; None: there is none.
+
+    Whether a vector hits something takes far longer than a way. So the cheapest way of all is asked first, then all
+    vectors beside the poses at which it hits something, and so on: the way that hits nothing at last is the cheapest.
+    """
+    asked, reach = np.zeros(len(cut), dtype=bool), 1
+    while best >= 0.0:
+        way = way_with(rungs, rails, min(_SHARE * best, margin), start)
+        hits = _hits(cut, way, asked)
+        if not len(hits):
+            return way
+        near = _beside(hits, reach, asked)
+        asked[near], reach = True, 2 * reach
+        rungs, rails = rungs.where(rails, _is_free(cut, rungs, near))
+        best = widest(rungs.ladder, rails)
+    return None
+
+
+def _hits(cut: Passage, way: LadderWay, asked: NDArray[np.bool_]) -> Indices:
+    """The poses of a way through a cut at which the arm hits something, but for those that have been `asked` (n,)."""
+    open_ = np.flatnonzero(~asked)
+    if cut.around is None or not len(open_):
+        return np.zeros(0, dtype=np.int64)
+    found: Indices = open_[cut.around.hit(np.ascontiguousarray(way.q[open_]), open_)]
+    return found
+
+
+def _beside(poses: Indices, reach: int, asked: NDArray[np.bool_]) -> Indices:
+    """Poses up to `reach` from some `poses`, but for those that have been `asked` (n,)."""
+    near = np.zeros(len(asked), dtype=bool)
+    for shift in range(-reach, reach + 1):
+        near[np.clip(poses + shift, 0, len(asked) - 1)] = True
+    found: Indices = np.flatnonzero(near & ~asked)
+    return found
+
+
+def _is_free(cut: Passage, rungs: Rungs, poses: Indices) -> NDArray[np.bool_]:
+    """Which vectors (N,) hit nothing, those of other than these `poses` not asked."""
+    assert cut.around is not None
+    free = np.ones(len(rungs.ladder.q), dtype=bool)
+    pose = np.repeat(np.arange(len(cut)), rungs.counts)
+    mine = np.isin(pose, poses)
+    free[mine] = ~cut.around.hit(np.ascontiguousarray(rungs.ladder.q[mine]), pose[mine])
+    return free
 
 
 def _toll(kinematics: Kinematics, q: Array) -> Array:
@@ -244,4 +297,5 @@ def way_with(rungs: Rungs, rails: Rails, margin: float, start: Array | None = No
         q[1:, endless] -= TURN * np.cumsum(whole, axis=0)
     room = np.minimum(q - ladder.lower, ladder.upper - q)[:, ~endless]
     travel = float(np.abs(np.diff(q, axis=0)).sum())
-    return LadderWay(q, rungs.spin[steps[:, 0]], float(room.min(initial=np.inf)), travel)
+    vectors = steps[:, 0].copy()
+    return LadderWay(q, rungs.spin[vectors], float(room.min(initial=np.inf)), travel, vectors)

@@ -13,7 +13,7 @@ from gcodesim.arithmetic.matrices import inverse_pose, multiplied
 from gcodesim.frames import Array
 from gcodesim.frozen import frozen
 from gcodesim.kinematics.chain import Indices, Joints
-from gcodesim.planning.ladder_kernels import ENDLESS, LIMITED, LINEAR, SLACK, TURN, Ladder
+from gcodesim.planning.ladder_kernels import ENDLESS, LIMITED, LINEAR, SLACK, TURN, Ladder, Rails
 from gcodesim.planning.obstacles import Around
 
 if TYPE_CHECKING:
@@ -91,6 +91,19 @@ class Rungs:
         """How many joint vectors within limits each pose has (n,)."""
         counts: Indices = np.diff(self.ladder.first)
         return counts
+
+    def where(self, rails: Rails, kept: NDArray[np.bool_]) -> tuple[Rungs, Rails]:
+        """The ladder with only the vectors that are `kept` (N,), and the rails between these."""
+        number = np.cumsum(kept) - 1
+        ends = np.repeat(np.arange(len(kept)), np.diff(rails.first))
+        source = rails.source[: len(ends)]
+        held = kept[source] & kept[ends]
+        count = np.bincount(number[ends[held]], minlength=int(kept.sum())) if held.any() else np.zeros(int(kept.sum()))
+        first = np.append(0, np.cumsum(count)).astype(np.int64)
+        rails = Rails(first, number[source[held]], rails.shift[: len(ends)][held], rails.way[: len(ends)][held])
+        rung = np.append(0, np.cumsum(kept))[self.ladder.first]
+        ladder = self.ladder._replace(first=rung.astype(np.int64), q=np.ascontiguousarray(self.ladder.q[kept]))
+        return replace(self, ladder=ladder, spin=self.spin[kept]), rails
 
 
 def rungs_of(kinematics: Kinematics, cut: Passage, spins: Array, branches: tuple[int, ...] | None = None) -> Rungs:
