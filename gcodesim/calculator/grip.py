@@ -53,9 +53,9 @@ class SuctionLoad(Model):
         Result("peel_force", "force", "that keeps the cup loaded most from peeling off", ("needed_against_peel",)),
         Result("safety_figure", "", "force over the force needed", ("safety_factor", "actual_safety")),
         Result("holds", "", "whether that is at least `safety`"),
-        Result("max_vertical_accel", "acceleration", "greatest lift from a level face", ("max_acceleration",)),
-        Result("max_lateral_accel", "acceleration", "greatest acceleration aside below a level face"),
-        Result("max_mass", "mass", "that is held with these accelerations, without `lever`"),
+        Result("max_vertical_accel", "acceleration", "greatest lift off a level face, with it", ("max_acceleration",)),
+        Result("max_lateral_accel", "acceleration", "greatest acceleration aside below a level face, with `safety`"),
+        Result("max_mass", "mass", "that is held with these accelerations and `safety`, without `lever`"),
         Result("needed_vacuum", "pressure", "that holds this load, times `safety`", ("required_vacuum",)),
     )
 
@@ -86,7 +86,7 @@ class SuctionLoad(Model):
         moment = np.array([[0.0, -pull * self.lever]])
         peel = float(peel_needed(np.array([pull]), moment, places - places.mean(axis=0), 0.5 * self.cup_diameter)[0])
         most = max(needed, peel)
-        lift = speed_of_lift(total, self.mass, self.g)
+        lift = speed_of_lift(total / self.safety, self.mass, self.g)
         return {
             "force_per_cup": cup,
             "total_force": total,
@@ -133,8 +133,8 @@ class FrictionGrip(Model):
         Result("friction_capacity", "force", "load that friction holds", ("capacity", "max_load")),
         Result("safety_figure", "", "force over the force needed", ("safety_factor", "actual_safety")),
         Result("holds", "", "whether that is at least `safety`"),
-        Result("max_vertical_accel", "acceleration", "greatest lift", ("max_acceleration",)),
-        Result("max_mass", "mass", "that is held with these accelerations"),
+        Result("max_vertical_accel", "acceleration", "greatest lift with `safety`", ("max_acceleration",)),
+        Result("max_mass", "mass", "that is held with these accelerations and `safety`"),
     )
 
     fingers: int = key(Whole(POSITIVE), "that press", default=2)

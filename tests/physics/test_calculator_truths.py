@@ -275,7 +275,7 @@ def suction_loads() -> list[Case]:
         wanted = {
             "force_per_cup_N": one, "total_force_N": cups * one, "pull_N": pull, "lateral_load_N": slip,
             "needed_force_N": needed, "required_force_N": 2.0 * needed, "safety_figure": cups * one / needed,
-            "holds": cups * one >= 2.0 * needed, "max_vertical_accel_m_s2": cups * one / mass - 9.81,
+            "holds": cups * one >= 2.0 * needed, "max_vertical_accel_m_s2": cups * one / (2.0 * mass) - 9.81,
         }  # fmt: skip
         given = {
             "cups": cups, "cup_diameter_mm": across, "vacuum_kPa": vacuum, "mass_kg": mass, "g": 9.81,
@@ -298,6 +298,7 @@ def friction_grip() -> list[Case]:
             "tangential_load_N": load, "needed_force_N": needed, "required_force_N": safety * needed,
             "friction_capacity_N": friction * fingers * force, "safety_figure": force / needed,
             "holds": force >= safety * needed, "max_mass_kg": mass * force / (safety * needed),
+            "max_vertical_accel_m_s2": friction * fingers * force / (safety * mass) - 9.81,
         }  # fmt: skip
         given = {
             "fingers": fingers, "force_N": force, "mass_kg": mass, "g": 9.81, "acceleration_m_s2": up,

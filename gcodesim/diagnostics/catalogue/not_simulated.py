@@ -155,8 +155,9 @@ CODES += (
     Code(
         code="GS915",
         severity=Severity.ERROR,
-        title="A G code that cannot be left out",
-        what="The control has this code, the simulation has not, and the moves behind it mean something else with it.",
+        title="A code that cannot be left out",
+        what="The control has this code, the simulation has not, and the moves behind it mean something else with it: "
+        "G codes, and conditions, loops and variables of RepRapFirmware (`if`, `while`, `var`, `set` …).",
         why="Simulated without it they would be other moves than those of the machine.",
         remedy="Simulate the rest of the program by itself, or let the post write plain moves.",
     ),

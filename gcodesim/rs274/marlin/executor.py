@@ -44,6 +44,14 @@ nozzles. No firmware's own code is as high."""
 
 _SETTINGS: Final = frozenset(("G10", "G20", "G21"))
 """Those among the moves that set something."""
+_SHOWN: Final = ("M0", "M1")
+"""Waits whose text a display shows."""
+
+_META: Final = frozenset(
+    ("VAR", "GLOBAL", "SET", "IF", "ELIF", "ELSE", "WHILE", "BREAK", "CONTINUE", "ABORT", "SKIP")
+)
+"""Commands of RepRapFirmware that say which lines are done, and with what (docs.duet3d.com, GCode meta commands)."""
+
 _NO_NOZZLE: Final = 255
 """T255, T1000 and the like are no nozzles: with them Bambu's start code unloads filament, or ends a change."""
 
@@ -155,7 +163,7 @@ class PrinterExecutor(Executor):
 
     def _pass_over_text(self, line: MarlinLine) -> None:
         """GS194: text where a code that is simulated has words; firmware reads on without it."""
-        if line.stray is not None:
+        if line.stray is not None and line.name not in _SHOWN:
             self.control.warn(
                 "GS194",
                 f"{line.name} passes over `{line.text}`",
@@ -164,6 +172,13 @@ class PrinterExecutor(Executor):
             )
 
     def _macro(self, line: MarlinLine) -> None:
+        if self.dialect.name == "reprapfirmware" and line.name in _META:
+            raise Fault(
+                "GS915",
+                f"`{line.name.lower()}` of RepRapFirmware is not simulated, so what follows would be a guess",
+                at=line.place,
+                hint="what a macro of the printer decides is no part of a print: leave it out, or write the moves",
+            )
         if line.name in MACROS:
             MACROS[line.name](self, line)
         else:
@@ -195,7 +210,8 @@ class PrinterExecutor(Executor):
     def _of_other_control(self) -> Diagnostic | None:
         """None for printers: the file may be full of their words, and its fault is its own."""
         foreign = foreign_of(self.run.source)
-        return None if foreign is None or foreign.kind == "printer" else super()._of_other_control()
+        own = ("printer", "script") if self.dialect.name == "reprapfirmware" else ("printer",)  # `var x = 1`
+        return None if foreign is None or foreign.kind in own else super()._of_other_control()
 
     # -- what commands do
 
