@@ -53,7 +53,9 @@ class SuctionLoad(Model):
         Result("peel_force", "force", "that keeps the cup loaded most from peeling off", ("needed_against_peel",)),
         Result("safety_figure", "", "force over the force needed", ("safety_factor", "actual_safety")),
         Result("holds", "", "whether that is at least `safety`"),
-        Result("max_vertical_accel", "acceleration", "greatest lift off a level face, with it", ("max_acceleration",)),
+        Result(
+            "max_vertical_accel", "acceleration", "greatest lift off a level face, with `safety`", ("max_acceleration",)
+        ),
         Result("max_lateral_accel", "acceleration", "greatest acceleration aside below a level face, with `safety`"),
         Result("max_mass", "mass", "that is held with these accelerations and `safety`, without `lever`"),
         Result("needed_vacuum", "pressure", "that holds this load, times `safety`", ("required_vacuum",)),
