@@ -14,7 +14,7 @@ from gcodesim.frozen import frozen
 from gcodesim.rs274.arcs import arc
 from gcodesim.rs274.control import Control
 from gcodesim.rs274.fault import Fault
-from gcodesim.rs274.lathe_corners import Corner, NoRoomError, finished
+from gcodesim.rs274.lathe_corners import ContourCorner, NoRoomError, finished
 from gcodesim.rs274.lathe_outline import CLOSE, OutlinePart, Point, beside, goes_ahead
 from gcodesim.rs274.lathe_passes import RoughingPasses
 from gcodesim.rs274.roughing import ContourMove
@@ -53,7 +53,7 @@ class LatheContour:
     """The moves of a contour in (z, x), and how the corner at the end of each is finished."""
 
     moves: list[ContourMove]
-    corners: list[Corner | None]
+    corners: list[ContourCorner | None]
 
     def closed(self, start: Point, *, swap: bool) -> LatheContour:
         """With a way out of the work, from which the passes come, where the contour does not lead there itself."""
@@ -113,7 +113,7 @@ def _contour(control: Control, number: int, start: Point, who: str) -> LatheCont
     state = control.state
     here, motion, kept = start, 0, state.current
     moves: list[ContourMove] = []
-    corners: list[Corner | None] = []
+    corners: list[ContourCorner | None] = []
     for words in control.contours(number):
         values = words.values
         motion = words.g.get(1, motion)
@@ -148,11 +148,11 @@ def _coordinate(control: Control, here: float, values: dict[str, float], letter:
     return here + values[step] * (0.5 if step == "u" and control.state.diameter else 1.0)
 
 
-def _corner(values: dict[str, float]) -> Corner | None:
+def _corner(values: dict[str, float]) -> ContourCorner | None:
     if "a" in values and "c" in values:
         raise Fault("GS104", "a corner of a contour is rounded by A or broken by C, not both", at="c")
     size = values.get("a", values.get("c", 0.0))
-    return Corner(abs(size), "c" in values) if size else None
+    return ContourCorner(abs(size), "c" in values) if size else None
 
 
 def _centre(control: Control, start: Point, end: Point, values: dict[str, float], sense: int) -> Point:

@@ -13,7 +13,7 @@ from gcodesim.rs274.lathe_outline import CLOSE, OutlinePart, Point, is_on, meeti
 
 
 @frozen(kw_only=False)
-class Corner:
+class ContourCorner:
     """How a corner is finished: the radius of the circle in it, and whether a straight line takes its place."""
 
     radius: float
@@ -28,7 +28,7 @@ class NoRoomError(Exception):
         self.corner = corner
 
 
-def finished(stretches: Sequence[OutlinePart], corners: Sequence[Corner | None]) -> list[OutlinePart]:
+def finished(stretches: Sequence[OutlinePart], corners: Sequence[ContourCorner | None]) -> list[OutlinePart]:
     """The outline with its corners finished; corner `k` is where stretch `k` ends."""
     kept: list[OutlinePart] = []
     for index, stretch in enumerate(stretches):
@@ -48,7 +48,7 @@ def finished(stretches: Sequence[OutlinePart], corners: Sequence[Corner | None])
     return kept
 
 
-def _between(before: OutlinePart, after: OutlinePart, corner: Corner) -> OutlinePart | None:
+def _between(before: OutlinePart, after: OutlinePart, corner: ContourCorner) -> OutlinePart | None:
     if before.length_is_zero or after.length_is_zero:
         return None
     (ta, tb), (ua, ub) = before.way_at(before.end), after.way_at(after.begin)
