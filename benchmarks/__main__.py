@@ -16,6 +16,7 @@ NAMES = (
     "surface",
     "fine",
     "collisions",
+    "channels",
     "camotics",
     "log",
     "printing",

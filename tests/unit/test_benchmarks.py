@@ -10,6 +10,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from gcodesim.cell import load_cell
+
 ROOT = Path(__file__).parents[2]
 
 TINY = {
@@ -56,6 +58,18 @@ def test_the_reference_job_is_that_of_the_goals():
     assert lines[9] == "F2000"
     assert lines[-2] == "M2"
     assert list(job.lines(250)) != list(job.lines(251))
+
+
+def test_cases_of_two_channels_wait_for_each_other_and_run_alone(tmp_path):
+    channels = importlib.import_module("benchmarks.channels")
+    for make in channels.CASES.values():
+        case = make(4)
+        for chosen in ((0, 1), (0,), (1,)):
+            cell = tmp_path / "cell.yaml"
+            cell.write_text(channels.cell_of(case, chosen))
+            assert load_cell(cell).cell is not None
+        one, other = ([line for line in text.splitlines() if line.startswith("M20")] for text in case.programs)
+        assert one == other or make is channels.of_two_lengths
 
 
 def test_projects_of_scripts_take_the_program_beside_them(tmp_path, capsys):
