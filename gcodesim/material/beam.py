@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.material.beam_kernels import (
-    CROWDED,
     FLAT,
     GAUSSIAN,
     GAUSSIAN_REACH,
@@ -82,6 +81,7 @@ def strike_assembly(
     `volume` (c, m) [m³] is what the beam could take of each stock, in place of `way.volume`; `way` is in the frame of
     the first.
     """
+    from gcodesim.material.ablating_parts import put_back, side_by_side
     from gcodesim.material.beam_in_parts_kernels import StruckParts, Together, strike_through
 
     stocks, (count, m) = assembly.stocks, volume.shape
@@ -94,16 +94,11 @@ def strike_assembly(
     starts, ends = way.starts - assembly.at[home], way.ends - assembly.at[home]
     way = BeamWay(*(np.ascontiguousarray(part, dtype=float) for part in way._replace(starts=starts, ends=ends)))
     struck = StruckParts(np.zeros((count, m)), np.zeros(count), np.full(count, np.inf), np.zeros(count))
-    volume, notes, done = np.ascontiguousarray(volume), np.zeros((m, 2)), 0
+    volume, done = np.ascontiguousarray(volume), 0
     while done < count:
-        ons = tuple(
-            Ablating(stock.field, stock.doses[kind], threshold, own) for stock, own in zip(stocks, notes, strict=True)
-        )
-        done = strike_through(ons, together, form, way, volume, done, struck)
-        for stock, own in zip(stocks, notes, strict=True):
-            if own[CROWDED]:
-                stock.grow()
-        notes[:] = 0.0
+        parts = side_by_side(stocks, kind, threshold)
+        done = strike_through(parts, together, form, way, volume, done, struck)
+        put_back(parts, stocks, kind)
     return struck
 
 

@@ -27,6 +27,7 @@ from gcodesim.material.beam_kernels import (
     follow_ray,
     line_of,
 )
+from gcodesim.material.field_kernels import Bytes, Columns, Field, Grid, Ints, Singles
 
 Array = NDArray[np.float64]
 
@@ -42,6 +43,24 @@ class Together(NamedTuple):
     widest: float
 
 
+class AblatingParts(NamedTuple):
+    """m stocks side by side, in arrays with a row for each, of what `Ablating` has of one; `grids` (m, 4).
+
+    The columns are as many as the widest and the longest stock have; those beyond a stock's own are empty.
+    """
+
+    lo: Array
+    hi: Array
+    number: Ints
+    grids: Array
+    walls: Singles
+    dirty: Bytes
+    tops: Array
+    dose: Array
+    threshold: float
+    notes: Array
+
+
 class StruckParts(NamedTuple):
     """What became of c pieces in m stocks: `taken` (c, m) [m³]; (c,) what of `given` met material, the least distance
     [m] from the focus to where it did (infinite: nowhere), and the greatest dose of a column so far [per m²]."""
@@ -50,6 +69,15 @@ class StruckParts(NamedTuple):
     met: Array
     off: Array
     dose: Array
+
+
+@kernel(inlined=True)
+def part_of(parts: AblatingParts, k: int) -> Ablating:
+    """Stock k of those that stand side by side."""
+    columns = Columns(parts.lo[k], parts.hi[k], parts.number[k])
+    grid = Grid(parts.grids[k, 0], parts.grids[k, 1], parts.grids[k, 2], parts.grids[k, 3])
+    field = Field(columns, grid, parts.walls[k], parts.dirty[k], parts.tops[k])
+    return Ablating(field, parts.dose[k], parts.threshold, parts.notes[k])
 
 
 @kernel
@@ -64,7 +92,7 @@ def first_met(on: Ablating, at: Array, ray: Ray, t: float) -> float:
 
 @kernel
 def follow_through(
-    ons: tuple[Ablating, ...], together: Together, ray: Ray, takes: Array, gone: Array
+    parts: AblatingParts, together: Together, ray: Ray, takes: Array, gone: Array
 ) -> tuple[float, float]:
     """One ray with its share of the beam in `length`, through all stocks, which take `takes` (m,) [m³] of a whole beam.
 
@@ -74,8 +102,8 @@ def follow_through(
     left, t, start = 1.0, 0.0, math.inf
     for _ in range(STAGES):
         first, second, which = math.inf, math.inf, -1
-        for k in range(len(ons)):
-            met = first_met(ons[k], together.at[k], ray, t)
+        for k in range(len(parts.lo)):
+            met = first_met(part_of(parts, k), together.at[k], ray, t)
             if met < first:
                 first, second, which = met, first, k
             elif met < second:
@@ -83,14 +111,14 @@ def follow_through(
         if which < 0:
             break
         start = min(start, first)
-        on, at = ons[which], together.at[which]
+        on, at = part_of(parts, which), together.at[which]
         area = on.field.grid.dx * on.field.grid.dy
         until = min(max(second, first + 1.0e-9 * on.field.grid.dx), ray.far)
-        part = Ray(
+        rest_of_ray = Ray(
             ray.x - at[0] + ray.dx * t, ray.y - at[1] + ray.dy * t, ray.z - at[2] + ray.dz * t,
             ray.dx, ray.dy, ray.dz, until - t, left * ray.length * takes[which] / area, left * ray.dose / area,
         )  # fmt: skip
-        rest, length, _ = follow_ray(on, part)
+        rest, length, _ = follow_ray(on, rest_of_ray)
         gone[which] += length * area
         left *= rest
         t = until
@@ -101,7 +129,7 @@ def follow_through(
 
 @kernel
 def shine_through(
-    ons: tuple[Ablating, ...],
+    parts: AblatingParts,
     together: Together,
     form: BeamForm,
     p: Array,
@@ -116,9 +144,9 @@ def shine_through(
     [m] from the focus to where it did.
     """
     s = math.inf
-    for k in range(len(ons)):
-        s = min(s, distance_to(ons[k], p - together.at[k], d, form))
-    aim = aim_at(ons[together.home].field, form, p, d, s, together.widest)
+    for k in range(len(parts.lo)):
+        s = min(s, distance_to(part_of(parts, k), p - together.at[k], d, form))
+    aim = aim_at(part_of(parts, together.home).field, form, p, d, s, together.widest)
     met, off = 0.0, math.inf
     for a in range(aim.bundle.na):
         for b in range(aim.bundle.nb):
@@ -128,7 +156,7 @@ def shine_through(
             ray = Ray(
                 line.x, line.y, line.z, line.dx, line.dy, line.dz, line.far, line.weight, line.weight * given,
             )  # fmt: skip
-            left, far = follow_through(ons, together, ray, takes, gone)
+            left, far = follow_through(parts, together, ray, takes, gone)
             met += line.weight * (1.0 - left)
             if far < math.inf:
                 off = min(off, abs(far / line.size + form.mouth - form.focus))
@@ -137,7 +165,7 @@ def shine_through(
 
 @kernel
 def strike_through(
-    ons: tuple[Ablating, ...],
+    parts: AblatingParts,
     together: Together,
     form: BeamForm,
     way: BeamWay,
@@ -148,9 +176,9 @@ def strike_through(
     """Pieces `first` … of a beam's way in order; the index of the piece before which columns get more room, or their
     number. `volume` (c, m) [m³] is what each could take of each stock. What is `struck` is added to."""
     stride = math.inf
-    for k in range(len(ons)):
-        stride = min(stride, 0.5 * min(ons[k].field.grid.dx, ons[k].field.grid.dy))
-    p, d, takes = np.empty(3), np.empty(3), np.empty(len(ons))
+    for k in range(len(parts.lo)):
+        stride = min(stride, 0.5 * min(parts.grids[k, 2], parts.grids[k, 3]))
+    p, d, takes = np.empty(3), np.empty(3), np.empty(len(parts.lo))
     for c in range(first, len(volume)):
         if way.given[c] <= 0.0:
             continue
@@ -159,21 +187,20 @@ def strike_through(
             d[n] = -way.axes[c, n]
             length += (way.ends[c, n] - way.starts[c, n]) * (way.ends[c, n] - way.starts[c, n])
         steps = max(1, math.ceil(math.sqrt(length) / stride))
-        for k in range(len(ons)):
+        for k in range(len(parts.lo)):
             takes[k] = volume[c, k] / steps
         for i in range(steps):
             share = (i + 0.5) / steps
             for n in range(3):
                 p[n] = way.starts[c, n] + share * (way.ends[c, n] - way.starts[c, n])
-            met, off = shine_through(ons, together, form, p, d, takes, way.given[c] / steps, struck.taken[c])
+            met, off = shine_through(parts, together, form, p, d, takes, way.given[c] / steps, struck.taken[c])
             struck.met[c] += met
             struck.off[c] = min(struck.off[c], off)
         crowded = False
-        for k in range(len(ons)):
-            on = ons[k]
-            struck.dose[c] = max(struck.dose[c], on.notes[PEAK])
-            on.notes[PEAK] = 0.0
-            if on.notes[CROWDED] > 0.0 and on.field.columns.lo.shape[2] < MOST_INTERVALS:
+        for k in range(len(parts.lo)):
+            struck.dose[c] = max(struck.dose[c], parts.notes[k, PEAK])
+            parts.notes[k, PEAK] = 0.0
+            if parts.notes[k, CROWDED] > 0.0 and parts.lo.shape[3] < MOST_INTERVALS:
                 crowded = True
         if crowded:
             return c + 1
