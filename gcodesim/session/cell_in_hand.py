@@ -641,11 +641,15 @@ class Arm:
         """
         cell, shop = self._cell, self._cell._shop
         held = self._cell._target
+        goal = np.asarray(position, dtype=float)
+        turned = np.array([0.0, 0.0, 0.0, 1.0]) if orientation is None else np.asarray(orientation, dtype=float)
+        if goal.shape != (3,) or turned.shape != (4,) or not np.isfinite([*goal, *turned]).all() or not turned.any():
+            raise MisuseError("a pose has a place of three finite numbers [m], and an orientation x y z w, not all 0")
         if orientation is None:
             R = (shop.X_WB @ Pose.from_matrix(shop.kinematics.forward(held[None])[0]) @ self._X_FT()).R
         else:
-            R = rotation_from_quaternion(np.asarray(orientation, dtype=float))
-        X_WT = Pose(np.asarray(position, dtype=float), R)
+            R = rotation_from_quaternion(turned)
+        X_WT = Pose(goal, R)
         X_BF = shop.X_WB.inverse() @ X_WT @ self._X_FT().inverse()
         q, status = shop.kinematics.inverse(X_BF.matrix[None], held)
         if status[0] in (Status.REACH, Status.LIMIT):
