@@ -133,7 +133,7 @@ CODES: tuple[Code, ...] = (
         title="A program for another kind of machine",
         what="The file has words of a 3D printer, of a lathe, of Heidenhain's Klartext, of an Okuma OSP or of a "
         "Sinumerik, and the dialect does not read those; or it is a script that makes a program, as those of CAMotics "
-        "(.tpl), and no script is run here.",
+        "(.tpl), and no script is run here; or it is binary G-code (.bgcode).",
         why="Read as the program of a mill it would be full of errors, or run and mean something else.",
         remedy="Let the post-processor write for one of the controls that `gcodesim list dialects` shows.",
     ),
