@@ -19,6 +19,7 @@ from gcodesim.units import INCH, MM
 _ROUTER: Final = (1.2, 0.8)  # m, travel of the shipped router in X and Y
 _ROUTER_Z: Final = 0.4
 _ABOVE: Final = 0.09  # m, left above the stock on the router where nothing says where the work is
+_INCHES: Final = "G20"
 _GAP: Final = 50.0 * MM
 _THIN: Final = 1.0 * MM  # a shallower cut says nothing about the thickness
 _NEAR_A_SIDE: Final = 0.25
@@ -106,7 +107,8 @@ class FirstCell:
     @staticmethod
     def of(program: SourceText) -> FirstCell:
         """From moves, words and comments; NoCellError for a program that no dialect can read."""
-        found, seen = scan(program), survey(program)
+        found = scan(program)
+        seen = survey(program, SourceText("startup", f"{_INCHES}\n".encode()) if found.unit_is_guessed else None)
         if seen.foreign:
             raise NoCellError(f"{program.name} is a program for {seen.foreign}")
         beam = None if seen.lathe or seen.rotary else NamedBeam.of(program)
@@ -151,6 +153,8 @@ class FirstCell:
 
     def language(self) -> list[str]:
         lines = [f"dialect: {self.seen.dialect:<10} # {self.seen.why}"]
+        if self.found.unit_is_guessed:
+            lines.append(f"startup: {_INCHES}        # it says neither G20 nor G21, and sizes of tools in inches")
         checks = []
         whole = self.seen.failed is None or self.seen.failed.code == _NO_END  # else what is missing may come later
         if self.seen.failed is not None and whole:

@@ -63,6 +63,11 @@ _CORNERS: Final = tuple(
     for word in ("MIN", "MAX")
 )
 _INCH = re.compile(r"[Gg]0*20(?![0-9.])")
+_SAYS_UNIT = re.compile(r"(?<![A-Z0-9])G0*(?:20|21|70|71)(?![0-9.])", re.IGNORECASE)
+_SIZE_IN_INCHES = re.compile(
+    rf"(?:(?<![0-9./])[0-9]{{1,2}}\s*/\s*(?:2|4|8|16|32|64)|{_NUMBER})\s*(?:in\b|inch\b|\")", re.IGNORECASE
+)
+_SIZE_IN_MM = re.compile(rf"{_NUMBER}\s*mm\b", re.IGNORECASE)
 _CONES: Final = ("v_bit", "chamfer_mill", "engraver", "countersink")
 _DEGREES = re.compile(rf"{_NUMBER}\s*(?:-\s*)?(?:deg\b|degrees?\b|°)", re.IGNORECASE)
 _KINDS: Final = (
@@ -97,6 +102,7 @@ class Scan:
     """What was found; lengths in the program's unit. `corners` are the least and greatest corner of the stock.
 
     `offsets` are numbers of H and D words that belong to no tool, with the tool called before them, 0 for none.
+    `unit_is_guessed`: the program says neither G20 nor G21, but sizes of its tools in inches.
     """
 
     inch: bool
@@ -105,12 +111,14 @@ class Scan:
     stock: Triple | None
     corners: tuple[Triple, Triple] | None
     stock_line: int
+    unit_is_guessed: bool = False
 
 
 def scan(program: SourceText) -> Scan:
     """Tools in the order of their numbers, called ones before those that are only mentioned; stock."""
     notes, words = _split(program)
-    inch = any(_INCH.search(text) for text in words)
+    guessed = _speaks_of_inches(notes, words)
+    inch = guessed or any(_INCH.search(text) for text in words)
     called: dict[int, ScannedTool] = {}
     offsets: dict[int, int] = {}
     last = 0
@@ -150,7 +158,15 @@ def scan(program: SourceText) -> Scan:
         stock=stock,
         corners=(corners[0], corners[1]) if whole else None,
         stock_line=stock_line,
+        unit_is_guessed=guessed,
     )
+
+
+def _speaks_of_inches(notes: list[str], words: list[str]) -> bool:
+    """Whether a program that leaves its unit to the machine tells sizes of tools in inches, and none in mm."""
+    if any(_SAYS_UNIT.search(text) for text in words) or any(_SIZE_IN_MM.search(note) for note in notes):
+        return False
+    return any(_OF_A_TOOL.search(note) and _SIZE_IN_INCHES.search(note) for note in notes)
 
 
 def _split(program: SourceText) -> tuple[list[str], list[str]]:

@@ -140,8 +140,8 @@ def _why_no_cell(foreign: Foreign) -> str:
     return f"a lathe {place}; its cell cannot be guessed, {remedy}"
 
 
-def survey(program: SourceText) -> Survey:
-    """Read the program with every tool that it may name, its work systems at machine zero."""
+def survey(program: SourceText, startup: SourceText | None = None) -> Survey:
+    """Read the program with every tool that it may name, its work systems at machine zero, `startup` in force."""
     dialect, why, ends = _dialect_of(program)
     foreign = foreign_of(program)
     turns = DIALECTS[dialect].lathe
@@ -149,7 +149,8 @@ def survey(program: SourceText) -> Survey:
     if turns is not None and turns.refused and lathe is not None:
         foreign = lathe
     tools = assumed_tools(program)
-    settings = Settings(dialect=dialect, tool_table=tools, has_cell=True, max_blocks=None if ends else _LOOPS)
+    most = None if ends else _LOOPS
+    settings = Settings(dialect=dialect, tool_table=tools, has_cell=True, max_blocks=most, startup=startup)
     run = interpret(program, settings)
     walk = _Walk(program)
     for item in run.stream():

@@ -331,3 +331,18 @@ def test_a_nurbs_curve_alone_does_not_make_a_program_fanucs() -> None:
     curve = "G21 G90 F200\nM3 S200\nG6.2 X1 Y0 R1 K0 P3 Q1\nX2 Y1 R1 K0\nX3 Y0 R1 K1\nG6.2 K1\nG0 Z50\nM5\nM2\n"
 
     assert survey(source("T1 M6\n" + curve)).dialect == "linuxcnc"
+
+
+def test_a_program_without_a_unit_has_that_of_its_tools(tmp_path) -> None:
+    """Many mills in America have inches in force when they are switched on, and their programs never say G20."""
+    text = (
+        "%\nO0012\n(TOOL 4 = 3/8IN ENDMILL)\nG00 G17 G40 G49 G54 G80 G90\nT4 M06\nS2000 M03\nG43 H04 Z1.\n"
+        "X-.5 Y0.\nG01 Z-.1 F20.\nX4.5\nG00 Z1.\nM05\nM30\n%\n"
+    )
+    cell = cell_for(source(text)).decode()
+    status, found, _ = verdict(text, tmp_path)
+
+    assert "startup: G20" in cell and "units: {length: in}" in cell and "diameter: 0.375 in" in cell
+    assert status == "ok" and not found
+    said = text.replace("G90", "G90 G21")
+    assert "startup" not in cell_for(source(said)).decode()
