@@ -2,20 +2,29 @@
 
 from __future__ import annotations
 
+import gc
 import re
 import sys
 from pathlib import Path
+from typing import Final
 
 from gcodesim.compiled.folder import writable_folder
 from gcodesim.compiled.known import kernel_of
 from gcodesim.compiled.object_code import compile_and_keep, symbol_of
 from gcodesim.compiled.target import choose
 
+_OBJECTS: Final = 20_000
+"""New objects of Python after which the collector of garbage looks at them; usually 700.
+
+A kernel is millions of objects, most of which live until it is compiled.
+"""
+
 
 def work(level: str = "", objects: str = "") -> None:
     """Compile into the cache; or into files of object code in the folder `objects`, for the instructions `level`."""
     if level:
         choose(level)
+    gc.set_threshold(_OBJECTS, 10, 10)
     for line in sys.stdin:
         try:
             _compile(line.rstrip("\n"), objects)

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import json
-import shutil
-import tempfile
 import threading
 import time
 import traceback
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any, Final
 
 from gcodesim.numbers import read_json
@@ -26,7 +25,7 @@ DONE: Final = "done"
 _MOST_FOLDERS: Final = 8
 
 _one_at_a_time = threading.Lock()  # a run has its process for itself, however many threads a worker has
-_folders: dict[str, Path] = {}
+_folders: dict[str, TemporaryDirectory[str]] = {}  # they go with this process
 
 
 def hello() -> bytes:
@@ -61,16 +60,15 @@ def _folder_of(data: bytes) -> Path:
     """A folder with the files of a bundle; the last few are kept, because many tasks have the same."""
     digest = digest_of(data)
     known = _folders.get(digest)
-    if known is not None and known.is_dir():
-        return known
+    if known is not None and Path(known.name).is_dir():
+        return Path(known.name)
     bundle = FileBundle.unpack(data)
     while len(_folders) >= _MOST_FOLDERS:
-        shutil.rmtree(_folders.pop(next(iter(_folders))), ignore_errors=True)
-    folder = Path(tempfile.mkdtemp(prefix="gcodesim-", dir=_own_place())) / "inputs"
-    folder.mkdir()
-    bundle.write(folder)
-    _folders[digest] = folder
-    return folder
+        _folders.pop(next(iter(_folders))).cleanup()
+    place = TemporaryDirectory(prefix="gcodesim-", dir=_own_place(), ignore_cleanup_errors=True)
+    bundle.write(Path(place.name))
+    _folders[digest] = place
+    return Path(place.name)
 
 
 def _own_place() -> str | None:
