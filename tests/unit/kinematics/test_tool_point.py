@@ -130,3 +130,69 @@ def test_the_seat_of_a_timed_axis_is_unknown() -> None:
     chain = chain_of_axes([Axis(letter="X"), Axis(letter="Y"), Axis(letter="Z"), Axis(letter="A")])
 
     assert ToolPoint.of(Cartesian(chain=chain)) is None
+
+
+def drawn_axes(random: np.random.Generator) -> list[Axis]:
+    """Three linear axes and two rotary ones, each on either side, at places and, some of them, along slanted lines."""
+    rotary = random.permutation(["A", "B", "C"])[:2].tolist()
+    sides = {letter: random.choice(["tool", "table"]) for letter in [*"XYZ", *rotary]}
+    turned = []
+    for letter in rotary:
+        vector = np.eye(3)["ABC".index(letter)] * random.choice([-1.0, 1.0])
+        if random.random() < 0.4:  # nutating
+            vector = vector + random.uniform(-1.0, 1.0, 3)
+        vector /= np.linalg.norm(vector)
+        point = random.uniform(-0.4, 0.4, 3)
+        turned.append(
+            Axis(letter=letter, side=sides[letter], point=tuple(point.tolist()), vector=tuple(vector.tolist()))
+        )
+    straight = [Axis(letter=letter, side=sides[letter]) for letter in random.permutation(list("XYZ")).tolist()]
+    # those of a head hang on the linear axes, those of a table on the linear axes of the table
+    return [*straight, *turned]
+
+
+def moved(axes: list[Axis], side: str, values: dict[str, float]) -> Array:
+    """The product of exponentials (4, 4) of all axes of one side, from M on."""
+    X = np.eye(4)
+    for one in axes:
+        if one.side != side:
+            continue
+        step = np.eye(4)
+        if one.letter in "ABC":
+            v, p = np.array(one.vector), np.array(one.point)
+            K = np.array([[0.0, -v[2], v[1]], [v[2], 0.0, -v[0]], [-v[1], v[0], 0.0]])
+            angle = values[one.letter]
+            step[:3, :3] += np.sin(angle) * K + (1.0 - np.cos(angle)) * K @ K
+            step[:3, 3] = p - step[:3, :3] @ p
+        else:
+            sense = 1.0 if side == "tool" else -1.0
+            step["XYZ".index(one.letter), 3] = sense * values[one.letter]
+        X = X @ step
+    return X
+
+
+@pytest.mark.parametrize("seed", range(60))
+def test_tip_and_direction_of_drawn_machines_are_those_of_their_matrices(seed: int) -> None:
+    random = np.random.default_rng([seed, 2611])
+    axes = drawn_axes(random)
+    point = ToolPoint.of(Cartesian(chain=chain_of_axes(axes)))
+    assert point is not None
+    names = point.kinematics.joints.names
+    for _ in range(20):
+        q = np.where([name in "XYZ" for name in names], random.uniform(-0.5, 0.5, 5), random.uniform(-3.0, 3.0, 5))
+        offset = random.uniform(-0.2, 0.2, 3)
+        values = dict(zip(names, q.tolist(), strict=True))
+        X_CM = np.linalg.inv(moved(axes, "table", values)) @ moved(axes, "tool", values)
+        tip, direction = (X_CM @ np.append(-offset, 1.0))[:3], X_CM[:3, 2]
+
+        assert np.abs(point.tips(q[None], offset[None])[0] - tip).max() < 1e-12
+        assert np.abs(point.directions(q[None])[0] - direction).max() < 1e-12
+        words = point.points(q[None], offset[None])
+        assert np.abs(point.joints(words, offset[None])[0] - q).max() < 1e-10
+
+        found = point.attitudes(direction, q)
+        assert 1 <= len(found) <= 2
+        for other in found:
+            assert np.abs(point.directions(other[None])[0] - direction).max() < 1e-8
+        away = [np.abs(np.sin(0.5 * (other - q)[point.rotary])).max() for other in found]
+        assert min(away) < 1e-6
