@@ -162,6 +162,14 @@ EXPLAINED: tuple[Explanation, ...] = (
         ),
     ),
     Explanation(
+        "since 2.9.4 the contour of G71 and G72 is led out to where the cycle starts, if it does not lead there; "
+        "where it does, the moves are those of `tests/data/lathe_cycles`",
+        lambda case: (
+            re.search(r"differs in (?:end|kind|center|sweep)|events, expected", case.found) is not None
+            and case.says(r"G\s*7\s*[12](?:\.[12])?\s*Q")
+        ),
+    ),
+    Explanation(
         "a number above 1e30 is refused here: no machine can be given it",
         _found(r"refused.*GS123 the value .* is out of any machine's range"),
     ),
