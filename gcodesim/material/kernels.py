@@ -32,6 +32,7 @@ from gcodesim.material.place_kernels import (
 from gcodesim.material.query_kernels import (
     difference,
     fill_slices,
+    highest_at,
     occupancy,
     surface_at,
     volume_of,
@@ -71,6 +72,7 @@ __all__ = [
     "difference",
     "discs_across",
     "fill_slices",
+    "highest_at",
     "occupancy",
     "patch_at",
     "patch_tops",

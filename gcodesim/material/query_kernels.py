@@ -71,6 +71,15 @@ def surface_at(field: Field, x: float, y: float) -> float:
 
 
 @kernel(lean=True, inlined=True)
+def highest_at(field: Field, i: int, j: int) -> float:
+    """Height [m] of the top of column (i, j); -inf if it is empty or outside the stock."""
+    _, hi, count = field.columns
+    if i < 0 or j < 0 or i >= count.shape[0] or j >= count.shape[1] or count[i, j] == 0:
+        return -np.inf
+    return float(hi[i, j, count[i, j] - 1])
+
+
+@kernel(lean=True, inlined=True)
 def fill_slices(field: Field, x: float, y: float, z0: float, dz: float, out: Array) -> float:
     """`occupancy` of slices of height dz [m] above each other, the first from z0, into `out`; their sum."""
     return slices_of(field.columns, field.grid, x, y, z0, dz, out)

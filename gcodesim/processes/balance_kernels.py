@@ -115,7 +115,7 @@ def wrench_on_way(field: Field, bite: Bite, v: Array, room: Room, result: Array)
         result[:] = 0.0
         return THINNEST
     level = flat / speed if flat > LEAST_LEVEL * speed else 0.0
-    heading = Heading(ux, uy, level, v[2] / speed)
+    heading = Heading(ux, uy, level, v[2] / speed, 0.0)
     chip = min(speed / bite.teeth_rate, bite.most)
     cutting_force(field, bite.teeth, bite.place, heading, chip, bite.top, room, result)
     if chip > bite.told and result[0] * v[0] + result[1] * v[1] + result[2] * v[2] > 0.0:

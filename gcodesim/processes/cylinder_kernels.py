@@ -106,7 +106,7 @@ def sample_cylinder(
     Returns whether rows may differ; then `measure` (number,) says how many angles each is in material where most of it
     is. That and `most` (number,) have the room of places.
     """
-    ux, uy, level, climb = heading
+    ux, uy, level, climb, turn = heading
     _, ahead, aside = clearance
     radius, widest, first, bottom, height = cylinder
     number, weights, line, share = measure.shape[0], room.weights, room.line, room.share
@@ -132,7 +132,7 @@ def sample_cylinder(
             for i in range(number):
                 weights[first + i, k] = share[k]
         else:
-            px, py, way = probe(radius, widest, sine, cosine, ahead, aside, level)
+            px, py, way = probe(radius, widest, sine, cosine, ahead, aside, level, turn)
             x, y = tip[0] + ux * px - uy * py, tip[1] + uy * px + ux * py
             share[k] = fill_slices(
                 field, x, y, bottom + leaning(heading, room.leans, k).climb * way, height, line[:number]
@@ -248,7 +248,7 @@ def limit_between(
     for _ in range(TURNS):
         middle = 0.5 * (least + most)
         sine, cosine = turned(circle.sines[after - 1], circle.cosines[after - 1], middle * (2.0 * np.pi / ANGLES))
-        px, py, way = probe(cylinder.radius, cylinder.widest, sine, cosine, ahead, aside, heading.level)
+        px, py, way = probe(cylinder.radius, cylinder.widest, sine, cosine, ahead, aside, heading.level, heading.turn)
         spot = spot_at(tip, own, span, px, py, way)
         wall = limit_at(field, tip, heading, clearance, cylinder.radius, spot, room.load)
         if wall.angle != NO_LIMIT:

@@ -53,12 +53,16 @@ class Circle(NamedTuple):
 
 
 class Heading(NamedTuple):
-    """The direction of feed: horizontal (ux, uy), and how level and how steep it is; both are unit vectors."""
+    """The direction of feed: horizontal (ux, uy), and how level and how steep it is; both are unit vectors.
+
+    `turn` [1/m] is how much the way bends to the left: 1 by the radius of an arc.
+    """
 
     ux: float
     uy: float
     level: float
     climb: float
+    turn: float
 
 
 @kernel(lean=True)
@@ -124,21 +128,48 @@ def clearance_of(field: Field, heading: Heading) -> Clearance:
     return Clearance(coarsest(field), diagonal(field), breadth_along(field, heading.ux, heading.uy))
 
 
+@kernel(lean=True, inlined=True)
+def off_way(square: float, y: float, turn: float) -> float:
+    """How far to the left of the way [m] a place is: y to the left of the tool, square [m²] of its distance from it.
+
+    On an arc what lies beside the way keeps its distance from the centre, not from the line of feed.
+    """
+    return float((2.0 * y - turn * square) / (1.0 + np.sqrt(max(1.0 - 2.0 * turn * y + turn * turn * square, 0.0))))
+
+
+@kernel(lean=True, inlined=True)
+def on_way(square: float, off: float, turn: float) -> float:
+    """The inverse of `off_way`: how far to the left of the tool [m] a place of that distance is, `off` the way."""
+    return off + 0.5 * turn * (square - off * off)
+
+
+@kernel(lean=True, inlined=True)
+def along_way(ahead: float, off: float, turn: float) -> tuple[float, float]:
+    """Where a place is that is so far `off` a way that turns, ahead and to the left of the tool [m].
+
+    On a straight way it would be `ahead` of the tool; it is as far from it.
+    """
+    square = ahead * ahead + off * off
+    left = on_way(square, off, turn)
+    return float(np.sqrt(max(square - left * left, 0.0))) if turn != 0.0 else ahead, left
+
+
 @kernel(lean=True)
 def probe(
-    r: float, outer: float, sine: float, cosine: float, ahead: float, aside: float, level: float
+    r: float, outer: float, sine: float, cosine: float, ahead: float, aside: float, level: float, turn: float
 ) -> tuple[float, float, float]:
     """Where to ask for material ahead of the point at radius r and angle phi: (u, l), and the way d there [m].
 
-    outer: largest radius of the element; ahead, aside: see `Clearance`; level: share of the feed that is horizontal.
+    outer: largest radius of the element; ahead, aside: see `Clearance`; level, turn: see `Heading`.
     d is the way along the feed.
     """
     x, y = r * sine, r * cosine
     if sine <= 0.0:
         return x + level * ahead, y, ahead
     inside = max(r - aside, 0.0)
-    wide = min(max(y, -inside), inside)
-    way = np.sqrt((outer + ahead) * (outer + ahead) - wide * wide) - x
+    wide, front = min(max(off_way(r * r, y, turn), -inside), inside), outer + ahead
+    wide = min(max(on_way(front * front, wide, turn), -front), front)
+    way = np.sqrt(front * front - wide * wide) - x
     return x + level * way, y + level * (wide - y), way
 
 

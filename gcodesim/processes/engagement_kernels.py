@@ -34,6 +34,7 @@ from gcodesim.processes.edge_kernels import (
     ANGLES,
     COS_KAPPA,
     FROM,
+    HEIGHT,
     HIGH,
     LEAST_ADVANCE,
     LOW,
@@ -47,18 +48,24 @@ from gcodesim.processes.edge_kernels import (
     Clearance,
     Heading,
     clearance_of,
+    off_way,
+    on_way,
     plunge_way,
     probe,
 )
 from gcodesim.processes.limit_kernels import (
     NO_LIMIT,
+    SAME_SHARE,
     ContactLimit,
+    EdgeBand,
     Walls,
     at_row,
     beside,
     end_of_side,
+    no_limit,
     spot_beyond,
 )
+from gcodesim.processes.rim_kernels import DEEPEST, SLOPE_LEFT, SLOPE_RIGHT, UNSEEN, RimRow, rim_limit
 from gcodesim.processes.seam_kernels import (
     Seams,
     Steps,
@@ -74,6 +81,8 @@ from gcodesim.processes.seam_kernels import (
 Array = NDArray[np.float64]
 
 NOWHERE = -1  # there is no contact
+AT_LEFT, AT_RIGHT = 1, 2  # sides of which a wall has told the limit
+SAME_LIMIT = 1.0e-3  # [angles] by which two limits of one row have to differ
 
 
 class Room(NamedTuple):
@@ -143,12 +152,18 @@ def lay_places(circle: Circle, ring: Ring, heading: Heading, columns: ToColumns,
     """
     sines, cosines = circle
     radius, outer, ahead, inside, least_way = ring
-    _, _, level, climb = heading
+    _, _, level, climb, turn = heading
     i0, j0, i_u, i_l, j_u, j_l, _, _, _, _ = columns
     us, vs, ups = places
+    square = radius * radius
     for k in range(us.shape[0]):
-        px, py = radius * sines[k], radius * cosines[k]
-        wide = min(max(py, -inside), inside)
+        ups[k] = min(max(radius * cosines[k], -inside), inside)
+    if turn != 0.0:
+        for k in range(us.shape[0]):
+            wide = min(max(off_way(square, radius * cosines[k], turn), -inside), inside)
+            ups[k] = min(max(on_way(outer * outer, wide, turn), -outer), outer)
+    for k in range(us.shape[0]):
+        px, py, wide = radius * sines[k], radius * cosines[k], ups[k]
         front = sines[k] > 0.0
         way = np.sqrt(outer * outer - wide * wide) - px if front else ahead
         py = py + level * (wide - py) if front else py
@@ -170,7 +185,7 @@ def leans_of(
     leans[ANGLES // 2 :] = 0.0
     for k in range(ANGLES // 2):
         px, py, _ = probe(ring.radius, ring.outer - ring.ahead, circle.sines[k], circle.cosines[k], ring.ahead,
-                          clearance.aside, heading.level)  # fmt: skip
+                          clearance.aside, heading.level, heading.turn)  # fmt: skip
         near = surface_at(field, tip[0] + heading.ux * px - heading.uy * py, tip[1] + heading.uy * px + heading.ux * py)
         px += ring.ahead
         far = surface_at(field, tip[0] + heading.ux * px - heading.uy * py, tip[1] + heading.uy * px + heading.ux * py)
@@ -182,20 +197,20 @@ def leans_of(
 @kernel(lean=True, inlined=True)
 def leaning(heading: Heading, leans: Array, k: int) -> Heading:
     """The heading with as much of its climb as the surface in front of angle k has."""
-    ux, uy, level, climb = heading
-    return Heading(ux, uy, level, climb * leans[k] if climb > 0.0 else climb)
+    ux, uy, level, climb, turn = heading
+    return Heading(ux, uy, level, climb * leans[k] if climb > 0.0 else climb, turn)
 
 
 @kernel(lean=True, inlined=True)
 def least_leaning(heading: Heading, leans: Array) -> Heading:
     """The same for the least of all angles in front."""
-    ux, uy, level, climb = heading
+    ux, uy, level, climb, turn = heading
     if climb > 0.0:
         least = 1.0
         for k in range(ANGLES // 2):
             least = min(least, leans[k])
         climb *= least
-    return Heading(ux, uy, level, climb)
+    return Heading(ux, uy, level, climb, turn)
 
 
 @kernel(lean=True)
@@ -211,21 +226,25 @@ def leave_advancing(sines: Array, level: float, sin_kappa: float, fall: float, l
 
 @kernel(lean=True)
 def note_side(
-    field: Field, circle: Circle, tip: Array, heading: Heading, clearance: Clearance, room: Room, i: int,
-    limit: ContactLimit, at_left: bool, number: int,
+    circle: Circle, clearance: Clearance, room: Room, i: int, limit: ContactLimit, beyond: float, at_left: bool,
+    number: int,
 ) -> int:  # fmt: skip
     """Add to the first `number` seams that at the limit of row i just inside its rim; how many there are then.
 
-    What `mark_steps` has found of the row then says nothing of that wall.
+    `beyond`: share of the row that is in material outside the limit. What `mark_steps` has found of the row then says
+    nothing of that wall.
     """
     n, rows = ANGLES // 2, room.rows
     known, steps = room.places.us[:n], room.places.vs
-    span, outer = span_of(tip, heading, clearance, rows, i), 0 if at_left else n - 1
-    inside = max(span.radius - clearance.aside, 0.0) / span.radius
+    radius, outer = rows[i, RADIUS], 0 if at_left else n - 1
+    inside = max(radius - clearance.aside, 0.0) / radius
     inner = end_of_side(circle, inside, known, at_left)
+    inner = max(inner, min(int(limit.angle), n - 1)) if at_left else min(inner, int(limit.angle))
+    step = 1 if at_left else -1
+    while 0 < inner < n - 1 and abs(known[inner + step] - known[inner]) > SAME_SHARE:
+        inner += step
     first, last = (0, inner) if at_left else (inner, n - 1)
-    spot = spot_beyond(tip, heading, span, clearance, limit, at_left)
-    room.weights[i, outer] = share_between(field, spot.x, spot.y, spot.bottom, spot.top)
+    room.weights[i, outer] = beyond
     for k in range(first, last + 1):
         known[k], steps[k] = known[inner], 0.0
     rows[i, FROM], rows[i, TO] = min(rows[i, FROM], first), max(rows[i, TO], last + 1)
@@ -233,10 +252,71 @@ def note_side(
     return number + 1
 
 
+@kernel(lean=True)
+def rim_of(
+    field: Field, pieces: Array, circle: Circle, tip: Array, heading: Heading, clearance: Clearance, room: Room, i: int,
+    front: float, at_left: bool,
+) -> tuple[ContactLimit, bool]:  # fmt: skip
+    """`rim_limit` of row i on one side: just inside its rim, and farther inside if its shares differ there."""
+    radius, n = room.rows[i, RADIUS], ANGLES // 2
+    row = RimRow(radius, tip[2], tip[2] + room.rows[i, HEIGHT], 1.0 if at_left else -1.0)
+    limit, full = rim_limit(field, pieces, tip, heading, clearance, row, front, radius, room.line)
+    about = radius - DEEPEST * clearance.aside
+    if limit.angle == NO_LIMIT and about > clearance.aside:
+        deeper = (about - (DEEPEST + 1.0) * clearance.aside) / radius
+        known, k, step = room.places.us[:n], 0 if at_left else n - 1, 1 if at_left else -1
+        outer = known[k]
+        while abs(circle.cosines[k]) >= deeper and abs(k - n // 2) > 1:
+            k += step
+        if abs(known[k] - outer) > SAME_SHARE:
+            limit, full = rim_limit(field, pieces, tip, heading, clearance, row, front, about, room.line)
+    return limit, full
+
+
+@kernel(lean=True)
+def note_rims(
+    field: Field, pieces: Array, circle: Circle, tip: Array, heading: Heading, clearance: Clearance, room: Room, i: int,
+    front: float, told: int, number: int,
+) -> int:  # fmt: skip
+    """Add to the first `number` seams those of row i at surfaces inside its rim; how many there are then.
+
+    told: the sides of which walls have told the limit.
+    """
+    n, rows = ANGLES // 2, room.rows
+    left, left_full, right, right_full = no_limit(), False, no_limit(), False
+    if told & AT_LEFT == 0:
+        left, left_full = rim_of(field, pieces, circle, tip, heading, clearance, room, i, front, True)
+    if told & AT_RIGHT == 0:
+        right, right_full = rim_of(field, pieces, circle, tip, heading, clearance, room, i, front, False)
+    if left.angle != NO_LIMIT and right.angle != NO_LIMIT and right.angle <= left.angle + SAME_LIMIT:
+        known, steps = room.places.us[:n], room.places.vs  # one surface, seen from both sides
+        for k in range(n):
+            known[k], steps[k] = known[0], 0.0
+        room.weights[i, 0], room.weights[i, n - 1] = 1.0 if left_full else 0.0, 1.0 if right_full else 0.0
+        rows[i, FROM], rows[i, TO] = 0, n
+        note_limit(room.seams, number, i, 0, n - 1, left.angle)
+        return number + 1
+    if left.angle != NO_LIMIT:
+        number = note_side(circle, clearance, room, i, left, 1.0 if left_full else 0.0, True, number)
+    if right.angle != NO_LIMIT:
+        number = note_side(circle, clearance, room, i, right, 1.0 if right_full else 0.0, False, number)
+    return number
+
+
+@kernel(lean=True)
+def share_beyond(
+    field: Field, tip: Array, heading: Heading, clearance: Clearance, span: EdgeBand, limit: ContactLimit, at_left: bool
+) -> float:
+    """Share [-] of a row that is in material outside the wall of a limit."""
+    spot = spot_beyond(tip, heading, span, clearance, limit, at_left)
+    return float(share_between(field, spot.x, spot.y, spot.bottom, spot.top))
+
+
 @kernel(lean=True, inlined=True)
 def contact_of_rows(
-    field: Field, circle: Circle, tip: Array, heading: Heading, room: Room, first: int, number: int, last: int
-) -> int:
+    field: Field, pieces: Array, circle: Circle, tip: Array, heading: Heading, room: Room, first: int, number: int,
+    last: int, widest: float,
+) -> int:  # fmt: skip
     """Fill weights[first:first + number, :last]: share of each element in material at each angle at which it advances.
 
     0 where it does not advance. Returns the number of seams, or NOWHERE if there is no contact, and keeps the range of
@@ -246,7 +326,7 @@ def contact_of_rows(
     below, so that contact grows gradually.
     Where contact begins or ends between two angles, the limit is found by halving and the weight is shared out.
     """
-    ux, uy, level, climb = heading
+    ux, uy, level, climb, _ = heading
     clearance = clearance_of(field, heading)
     cell, ahead, aside = clearance
     columns = to_columns(field, tip, ux, uy)
@@ -258,6 +338,8 @@ def contact_of_rows(
         leans_of(field, circle, tip, heading, clearance, ring, room.leans)
     beside_way = least_leaning(heading, room.leans)
     span = span_of(tip, heading, clearance, rows, first + number - 1)
+    rimmed = field.columns.lo.shape[2] == 1
+    room.line[SLOPE_LEFT], room.line[SLOPE_RIGHT] = UNSEEN, UNSEEN
     at_left = beside(field, columns, tip, beside_way, clearance, span, 1.0, room.load)
     at_right = beside(field, columns, tip, beside_way, clearance, span, -1.0, room.load)
     walled = at_left.angle != NO_LIMIT or at_right.angle != NO_LIMIT
@@ -286,14 +368,23 @@ def contact_of_rows(
         known, steps = room.places.us[:last], room.places.vs[:last]  # the places are no longer needed
         left = mark_steps(sines, level, sin_kappa, fall, line, known, steps)
         rows[i, FROM], rows[i, TO] = reach_of(known, steps)
+        told = 0
         if walled and behind == 0 and sin_kappa > UPRIGHT:
             span = span_of(tip, heading, clearance, rows, i)
             limit = at_row(at_left, tip, beside_way, clearance, span, known[0], True)
             if limit.angle != NO_LIMIT:
-                waiting = note_side(field, circle, tip, beside_way, clearance, room, i, limit, True, waiting)
+                told += AT_LEFT
+                beyond = share_beyond(field, tip, beside_way, clearance, span, limit, True)
+                waiting = note_side(circle, clearance, room, i, limit, beyond, True, waiting)
             limit = at_row(at_right, tip, beside_way, clearance, span, known[ANGLES // 2 - 1], False)
             if limit.angle != NO_LIMIT:
-                waiting = note_side(field, circle, tip, beside_way, clearance, room, i, limit, False, waiting)
+                told += AT_RIGHT
+                beyond = share_beyond(field, tip, beside_way, clearance, span, limit, False)
+                waiting = note_side(circle, clearance, room, i, limit, beyond, False, waiting)
+        if rimmed and behind == 0 and sin_kappa > UPRIGHT:
+            waiting = note_rims(
+                field, pieces, circle, tip, beside_way, clearance, room, i, widest + ahead, told, waiting
+            )
         if left > 0:
             found_steps = Steps(known, steps, room.leans)
             waiting = note_seams(circle, tip, heading, clearance, rows, i, found_steps, left, room.seams, waiting)

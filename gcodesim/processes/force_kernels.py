@@ -43,6 +43,7 @@ from gcodesim.processes.edge_kernels import (
 )
 from gcodesim.processes.engagement_kernels import NOWHERE, Room, contact_of_rows
 from gcodesim.processes.law_kernels import COSINE, GROWN, GROWN_COSINE, GROWN_SINE, SINE, TABLE, power_at
+from gcodesim.processes.rim_kernels import widest_below
 from gcodesim.processes.seam_kernels import DROP, LEVER, LIMIT, ROW
 
 Array = NDArray[np.float64]
@@ -249,7 +250,7 @@ def cutting_force(
     scale = Scale(scale_of(law, TANGENTIAL, chip), scale_of(law, NORMAL, chip), scale_of(law, AXIAL, chip))
     room.sums[:] = 0.0
     used = 0
-    steepest = 0.0
+    steepest, widest = 0.0, widest_below(pieces, height)
     for piece in range(pieces.shape[0]):
         number = lay_rows(pieces, piece, height, coarsest(field), rows[used:])
         if number == 0:
@@ -268,7 +269,7 @@ def cutting_force(
                 continue
             add_cylinder(teeth.law, level, scale, room, first, number, seams)
         else:
-            seams = contact_of_rows(field, teeth.circle, tip, heading, room, first, number, last)
+            seams = contact_of_rows(field, pieces, teeth.circle, tip, heading, room, first, number, last, widest)
             if seams == NOWHERE:
                 continue
             add_rows(teeth, heading, scale, room, first, number, straight, seams)
@@ -411,7 +412,7 @@ def sum_up(
     teeth: Teeth, heading: Heading, chip: float, steepest: float, last: int, room: Room, used: int, result: Array
 ) -> None:
     """From the sums at each angle to the `result`; its CONTACT is 0 where there is none."""
-    ux, uy, level, climb = heading
+    ux, uy, level, climb, _ = heading
     sines, cosines = teeth.law.means[SINE], teeth.law.means[COSINE]
     sums, rows = room.sums, room.rows
     f_u, f_l, f_z, m_u, m_l, torque = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0

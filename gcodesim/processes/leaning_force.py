@@ -155,7 +155,7 @@ def _enter(values: Array, axis: Array) -> None:
     kept.patch[:] = 0.0
     if float(norms((last - axis)[None])[0]) > SAME_AXIS:
         kept.numbers[m.CUTTING] = 0.0
-        for vector in (kept.feed, kept.travel, kept.chips, kept.edges):
+        for vector in (kept.feed, kept.travel, kept.chips, kept.edges, kept.turn):
             vector[:] = 0.0
         last[:] = axis
 

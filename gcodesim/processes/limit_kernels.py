@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from gcodesim.arithmetic.atan_kernels import acos
 from gcodesim.compiled import kernel
 from gcodesim.material.kernels import Field, ToColumns, wall_near, walled_at
-from gcodesim.processes.edge_kernels import ANGLES, THIN, Circle, Clearance, Heading
+from gcodesim.processes.edge_kernels import ANGLES, THIN, Circle, Clearance, Heading, along_way, off_way, on_way
 
 Array = NDArray[np.float64]
 
@@ -24,6 +24,7 @@ JUST_INSIDE = 1.0 - 1.0e-3  # of a radius, where the outermost wall is looked fo
 NO_LIMIT = -1.0
 BASE = 4.0  # [cells] between two places of a wall that tell its slope
 LEAN = 0.5  # of a slope at one place, by which the other is looked for: half of it may be a ripple
+STEEPEST_TURN = 0.05  # least share of the radius of an arc at which a wall is from its centre
 NEXT_TO = 1.0e-6  # [angles]
 FULL = 1.0 - 1.0e-9  # from which on a share is all
 SAME_SHARE = 0.02  # up to which the shares of two angles are the same but for what earlier cuts have left
@@ -63,10 +64,17 @@ class ContactLimit(NamedTuple):
 @kernel(lean=True, inlined=True)
 def spot_at(tip: Array, heading: Heading, span: EdgeBand, px: float, py: float, way: float) -> EdgeSpot:
     """The place (px, py) in K, a `way` [m] ahead of the edge."""
-    ux, uy, _, climb = heading
+    ux, uy, _, climb, _ = heading
     rise = climb * max(way, span.least_way)
     bottom = span.bottom + rise
     return EdgeSpot(tip[0] + ux * px - uy * py, tip[1] + uy * px + ux * py, bottom, max(span.top + rise, bottom + THIN))
+
+
+@kernel(lean=True, inlined=True)
+def spot_along(tip: Array, heading: Heading, span: EdgeBand, px: float, py: float, way: float) -> EdgeSpot:
+    """The same of a place on a straight way that is as far from the tool, and off its way, on the way that it goes."""
+    px, py = along_way(px, py, heading.turn)
+    return spot_at(tip, heading, span, px, py, way)
 
 
 class Walls(NamedTuple):
@@ -83,12 +91,16 @@ def no_limit() -> ContactLimit:
 
 
 @kernel(lean=True)
-def angle_at(ahead: float, aside: float, slope: float, radius: float) -> float:
+def angle_at(ahead: float, aside: float, slope: float, radius: float, turn: float) -> float:
     """Where contact of a row of this radius [m] ends at a wall that was seen there [angles].
 
     A wall that the tool follows keeps its distance, also on an arc: it is a circle around the same centre, which lies
-    beside the axis. So its place and its slope ahead tell where it crosses the row.
+    beside the axis. So its place and its slope ahead tell where it crosses the row, or, on a way that is known to turn
+    so much [1/m], its place alone.
     """
+    if turn != 0.0:
+        off = off_way(ahead * ahead + aside * aside, aside, turn)
+        return float(acos(min(max(on_way(radius * radius, off, turn) / radius, -1.0), 1.0)) * PER_ANGLE)
     inside = min(max(aside, -radius), radius)
     beyond = ahead * ahead - (radius * radius - inside * inside)
     at_edge, to_centre = aside, ahead + slope * aside
@@ -98,9 +110,9 @@ def angle_at(ahead: float, aside: float, slope: float, radius: float) -> float:
 
 
 @kernel(lean=True, inlined=True)
-def of_radius(limit: ContactLimit, radius: float) -> ContactLimit:
-    """The limit of a row of another radius [m] at the same wall."""
-    angle = angle_at(limit.ahead, limit.aside, limit.slope, radius)
+def of_radius(limit: ContactLimit, radius: float, turn: float) -> ContactLimit:
+    """The limit of a row of another radius [m] at the same wall; turn [1/m] of the way."""
+    angle = angle_at(limit.ahead, limit.aside, limit.slope, radius, turn)
     return ContactLimit(angle, limit.ahead, limit.aside, limit.slope, limit.foot)
 
 
@@ -127,11 +139,17 @@ class SeenWall(NamedTuple):
 @kernel(lean=True)
 def sight_at(field: Field, tip: Array, heading: Heading, spot: EdgeSpot, line: Array) -> SeenWall:
     """The wall near a spot, as it is seen from the tip (3,); line (4,) is room."""
-    ux, uy, _, _ = heading
-    near = wall_near(field, spot.x, spot.y, spot.bottom, spot.top, ux, uy, line)
+    ux, uy, _, _, _ = heading
     along_x, along_y = spot.x - tip[0], spot.y - tip[1]
-    ahead, aside = ux * along_x + uy * along_y, ux * along_y - uy * along_x + near.aside
-    return SeenWall(near.known, ahead, aside, near.slope, near.foot)
+    ahead, aside = ux * along_x + uy * along_y, ux * along_y - uy * along_x
+    if heading.turn == 0.0:
+        near = wall_near(field, spot.x, spot.y, spot.bottom, spot.top, ux, uy, line)
+        return SeenWall(near.known, ahead, aside + near.aside, near.slope, near.foot)
+    t, s = 1.0 - heading.turn * aside, heading.turn * ahead  # along the way, as it goes there
+    size = max(np.sqrt(t * t + s * s), STEEPEST_TURN)
+    t, s = t / size, s / size
+    near = wall_near(field, spot.x, spot.y, spot.bottom, spot.top, ux * t - uy * s, uy * t + ux * s, line)
+    return SeenWall(near.known, ahead - s * near.aside, aside + t * near.aside, near.slope, near.foot)
 
 
 @kernel(lean=True)
@@ -146,13 +164,17 @@ def limit_at(
     seen = sight_at(field, tip, heading, spot, line)
     if not seen.known:
         return no_limit()
+    if heading.turn != 0.0:
+        slope = heading.turn * seen.ahead / max(1.0 - heading.turn * seen.aside, STEEPEST_TURN)
+        angle = angle_at(seen.ahead, seen.aside, slope, radius, heading.turn)
+        return ContactLimit(angle, seen.ahead, seen.aside, slope, seen.foot)
     inside = min(abs(seen.aside), radius)
     nearest = float(np.sqrt(radius * radius - inside * inside)) + heading.level * clearance.ahead
     way = nearest - seen.ahead
     if way > -clearance.aside:
         way = BASE * clearance.aside
     ahead, aside = seen.ahead + way, seen.aside + LEAN * seen.slope * way
-    ux, uy, _, _ = heading
+    ux, uy, _, _, _ = heading
     other_spot = EdgeSpot(tip[0] + ux * ahead - uy * aside, tip[1] + uy * ahead + ux * aside, spot.bottom, spot.top)
     other = sight_at(field, tip, heading, other_spot, line)
     slope = seen.slope
@@ -161,7 +183,7 @@ def limit_at(
         if way < 0.0:
             seen = other
         slope *= seen.ahead / between  # of an arc around a centre beside the axis, at its nearer place
-    angle = angle_at(seen.ahead, seen.aside, slope, radius)
+    angle = angle_at(seen.ahead, seen.aside, slope, radius, 0.0)
     return ContactLimit(angle, seen.ahead, seen.aside, slope, seen.foot)
 
 
@@ -191,15 +213,15 @@ def outermost(
     radius, front = span.radius, span.radius + clearance.ahead
     inside = max(radius - clearance.aside, 0.0)
     px = outermost_ahead(radius, heading, clearance)
-    spot = spot_at(tip, heading, span, px, side * JUST_INSIDE * radius, clearance.ahead)
+    spot = spot_along(tip, heading, span, px, side * JUST_INSIDE * radius, clearance.ahead)
     limit = limit_at(field, tip, heading, clearance, radius, spot, line)
     if limit.angle == NO_LIMIT:
-        spot = spot_at(tip, heading, span, px, side * inside, clearance.ahead)
+        spot = spot_along(tip, heading, span, px, side * inside, clearance.ahead)
         limit = limit_at(field, tip, heading, clearance, radius, spot, line)
     for wide in (0.5 * (radius + inside), JUST_INSIDE * radius):
         if limit.angle == NO_LIMIT:
             px = heading.level * float(np.sqrt(front * front - wide * wide))
-            spot = spot_at(tip, heading, span, px, side * wide, clearance.ahead)
+            spot = spot_along(tip, heading, span, px, side * wide, clearance.ahead)
             limit = limit_at(field, tip, heading, clearance, radius, spot, line)
     return limit
 
@@ -214,8 +236,9 @@ def beside(
     front = radius + clearance.ahead
     ahead, inside = outermost_ahead(radius, heading, clearance), JUST_INSIDE * radius
     while inside > 0.0 and limit.angle == NO_LIMIT:
-        if walled_at(field, columns, ahead, side * inside):
-            spot = spot_at(tip, heading, span, ahead, side * inside, clearance.ahead)
+        px, py = along_way(ahead, side * inside, heading.turn)
+        if walled_at(field, columns, px, py):
+            spot = spot_along(tip, heading, span, ahead, side * inside, clearance.ahead)
             limit = limit_at(field, tip, heading, clearance, radius, spot, line)
         inside -= clearance.aside
         ahead = heading.level * np.sqrt(front * front - inside * inside)
@@ -243,10 +266,10 @@ def at_row(
         return no_limit()
     side, middle = 1.0 if at_left else -1.0, max(span.radius - 0.5 * clearance.aside, 0.0)
     ahead = outermost_ahead(span.radius, heading, clearance)
-    spot = spot_at(tip, heading, span, ahead, side * middle, clearance.ahead)
+    spot = spot_along(tip, heading, span, ahead, side * middle, clearance.ahead)
     if not is_at(limit, tip, heading, clearance, spot):
         return no_limit()
-    own = of_radius(limit, span.radius)
+    own = of_radius(limit, span.radius, heading.turn)
     return no_limit() if share == 0.0 and is_on_rim(own.angle) else own
 
 

@@ -95,6 +95,14 @@ ALIKE_ANGLE = 0.01
 # what else has changed there is mostly what columns of this width say of the same wall.
 SAME_CELLS = 2.0
 GROWN, FALLEN = 0.02, 0.1
+# Places in `State.turn`: how much the way turns to the left [1/m]; how many of the two places are known through which
+# it went, and these, x and y [m]. A way that turns by less than SHARP from step to step may be an arc; places are
+# TURN_CELLS apart, so that chords of an arc and rounded coordinates do not count.
+TURN, KNOWN, EARLIER, LATER = 0, 1, 2, 4
+SHARP = 0.97  # cosine
+LEAST_TURN = 0.5  # [1/m] that counts
+TURN_CELLS, LOST_CELLS = 2.0, 8.0
+GOES_ON = 0.3  # of its turn, up to which a way is an arc no longer
 # places in `State.peaks`; the last one is the way since then [cells]
 MEAN_FORCE, MEAN_TORQUE, FED, AT_DEPTH, AT_WIDTH, AT_ENTRY, AT_EXIT, PEAK_OF_FORCE, PEAK_OF_TORQUE, GONE = range(10)
 
@@ -146,10 +154,11 @@ class State(NamedTuple):
     patch: Array  # (2,) where `tops` were looked at last
     chips: Array  # (6,) wrench of chips, and
     edges: Array  # (7,) of the edges, in the last cut
+    turn: Array  # (6,) how much its way turns, see `follow_turn`
     peaks: Array  # (10,) for which contact peaks were looked for last, and what they were: see `greatest_loads`
 
 
-STATE = 49
+STATE = 55
 
 
 def axis_of(values: Array) -> Array:
@@ -159,6 +168,8 @@ def axis_of(values: Array) -> Array:
 
 class Step(NamedTuple):
     """What is commanded in one step."""
+
+    turn: float  # [1/m] of the way, to the left
 
     tip: Array  # (3,) at its beginning, not bent [m]
     level: float  # horizontal and
@@ -204,7 +215,7 @@ def state_of(values: Array) -> State:
     """Views of the numbers (STATE,) that are kept."""
     return State(
         values[0:8], values[8:11], values[11:14], values[14:17], values[17:19], values[19:21], values[21:23],
-        values[23:29], values[29:36], values[39:49],
+        values[23:29], values[29:36], values[49:55], values[39:49],
     )  # fmt: skip
 
 
@@ -259,7 +270,7 @@ def look(
     result: Array,
 ) -> tuple[int, float, float]:  # fmt: skip
     """Wrench at a place of the tip, and how it travels then: rows that are filled, advance, growth of the force."""
-    heading = Heading(travel.travel[0], travel.travel[1], step.level, step.climb)
+    heading = Heading(travel.travel[0], travel.travel[1], step.level, step.climb, step.turn)
     used = cutting_force(field, teeth, place, heading, asked * step.chip, step.top, room, result)
     if used == 0:
         travel.travel[0], travel.travel[1] = travel.feed[0], travel.feed[1]  # nothing holds it on another path
@@ -422,6 +433,43 @@ def point_feed(motion: Motion, k: int, state: State) -> tuple[float, float, floa
 
 
 @kernel(lean=True, inlined=True)
+def lost_from(turn: Array, tip: Array, cell: float) -> bool:
+    """Whether a tool has gone on since the last place without being followed."""
+    x, y = tip[0] - turn[LATER], tip[1] - turn[LATER + 1]
+    return bool(turn[KNOWN] > 0.0 and x * x + y * y > np.square(LOST_CELLS * cell))
+
+
+@kernel(lean=True)
+def follow_turn(tip: Array, old_x: float, old_y: float, cell: float, state: State) -> None:
+    """Renew `state.turn` with the commanded tip (3,) at the beginning of a step, whose feed was (old_x, old_y) before.
+
+    The turn of the circle through the last three places, or none where they do not go on as one.
+    """
+    turn, ux, uy = state.turn, state.feed[0], state.feed[1]
+    if old_x * ux + old_y * uy < SHARP or lost_from(turn, tip, cell):
+        turn[TURN], turn[KNOWN] = 0.0, 0.0
+    if turn[KNOWN] == 0.0:
+        turn[LATER], turn[LATER + 1], turn[KNOWN] = tip[0], tip[1], 1.0
+        return
+    x, y = tip[0] - turn[LATER], tip[1] - turn[LATER + 1]
+    way = np.sqrt(x * x + y * y)
+    if way < TURN_CELLS * cell:
+        if way > 0.5 * TURN_CELLS * cell:  # an arc has turned by half of what its chord says
+            now = 2.0 * (x * uy - y * ux) / (way * way)
+            if now * turn[TURN] < GOES_ON * turn[TURN] * turn[TURN]:
+                turn[TURN] = 0.0
+        return
+    if turn[KNOWN] > 1.0:
+        from_x, from_y = turn[LATER] - turn[EARLIER], turn[LATER + 1] - turn[EARLIER + 1]
+        whole_x, whole_y = from_x + x, from_y + y
+        sides = np.sqrt((from_x * from_x + from_y * from_y) * (whole_x * whole_x + whole_y * whole_y)) * way
+        found = 2.0 * (from_x * y - from_y * x) / sides
+        turn[TURN] = found if abs(found) > LEAST_TURN else 0.0
+    turn[EARLIER], turn[EARLIER + 1], turn[KNOWN] = turn[LATER], turn[LATER + 1], 2.0
+    turn[LATER], turn[LATER + 1] = tip[0], tip[1]
+
+
+@kernel(lean=True, inlined=True)
 def may_feel(field: Field, tool: MillingTool, way: Way, state: State) -> bool:
     """Whether a tool at feed may feel material: it cuts, leans on it, or runs through some in this step."""
     cell = coarsest(field)
@@ -501,7 +549,9 @@ def feel(
     for axis in range(3):
         state.before[axis] = state.delta[axis]
     before, after, spindle, rapid = way.before, way.after, motion.spindle[k], motion.rapid[k]
+    old_x, old_y = state.feed[0], state.feed[1]
     speed, level, climb = point_feed(motion, k, state)
+    follow_turn(before, old_x, old_y, coarsest(field), state)
     used, ratio, chip, length = 0, 1.0, 0.0, 0.0
     turning_in = spindle > 0.0 and not rapid and min(before[2], after[2]) < top
     if speed <= LEAST_SPEED:
@@ -518,10 +568,10 @@ def feel(
             length = float(np.sqrt(flat * flat + np.square(after[2] - before[2])))
         if rigid:
             unbend(state)
-            fed = Heading(state.feed[0], state.feed[1], level, climb)
+            fed = Heading(state.feed[0], state.feed[1], level, climb, state.turn[TURN])
             used = cutting_force(field, tool.teeth, before, fed, chip, top, room, result)
         else:
-            step = Step(before, level, climb, chip, length, top)
+            step = Step(state.turn[TURN], before, level, climb, chip, length, top)
             used, chip, ratio = solve_step(field, tool.teeth, motion.compliance[k], step, room, trial, state, result)
     elif not rapid:
         unbend(state)
@@ -538,7 +588,7 @@ def feel(
         ux, uy = state.feed[0], state.feed[1]
         out[FEED_FORCE] = ux * result[0] + uy * result[1]
         out[SIDE_FORCE] = ux * result[1] - uy * result[0]
-        way_cut = Heading(ux, uy, level, climb)
+        way_cut = Heading(ux, uy, level, climb, 0.0)
         cell = coarsest(field)
         force, torque = greatest_loads(tool.teeth, way_cut, chip, cell, room, used, result, length, state.peaks)
         mean = float(np.sqrt(result[0] * result[0] + result[1] * result[1] + result[2] * result[2]))

@@ -67,7 +67,9 @@ BRIEF = 0.2  # [rad] of phi for which the chip in the middle stands
 NODE = 0.5773502691896258  # of Gauss-Legendre with two points
 ROUNDS = 2  # of parabolas,
 WORTH = 1.003  # of what is known, that they have to promise
-SHORTEST = 0.1  # [rad] in which only the ends are looked at
+SHORTEST = 0.1  # [rad] in which only the ends are looked at,
+WIDE_GAP = 0.25  # and from which on they are looked at more closely where there are more
+FEW = 6  # stretches than these
 BORDERS = 128  # for which there is room,
 GAPS = BORDERS + 2 * ANGLES  # and for what is between them
 
@@ -141,13 +143,15 @@ def lay_row(chips: Chips, row: Array, line: Array, stretches: Array, number: int
     or ceases to advance there. Both points enter and leave at the phi of the row's middle.
     """
     sines, sine, fall = chips.circle.sines, chips.level * row[SIN_KAPPA], chips.climb * row[COS_KAPPA]
-    k, end = int(row[FROM]), int(row[TO])
+    k, end, trace = int(row[FROM]), int(row[TO]), 0.0
+    for m in range(k, end):
+        trace = max(trace, ALIKE * line[m])
     while k < end:
-        if line[k] <= 0.0:
+        if line[k] <= trace:
             k += 1
             continue
         first = k
-        while k < end and line[k] > 0.0:
+        while k < end and line[k] > trace:
             k += 1
         last = k - 1
         before = sine * sines[first - 1 if first > 0 else ANGLES - 1] - fall
@@ -380,13 +384,44 @@ def keep_border(borders: Array, number: int, angle: float, pitch: float, jumps: 
     return number + 1
 
 
+@kernel(lean=True, inlined=True)
+def goes_on_in(stretches: Array, number: int, i: int) -> int:
+    """The stretch of the row above in which stretch i goes on, or `number`."""
+    j, row = i + 1, stretches[i, ROW_OF] + 1.0
+    while j < number and stretches[j, ROW_OF] <= row:
+        if stretches[j, ROW_OF] == row and abs(stretches[j, ENTER_LOW] - stretches[i, ENTER_HIGH]) <= APART:
+            return j
+        j += 1
+    return number
+
+
+@kernel(lean=True, inlined=True)
+def find_turns(stretches: Array, number: int, pitch: float, borders: Array, found: int) -> int:
+    """Add to the first `found` borders those where what goes on from row to row enters last, or leaves first.
+
+    There no more of it comes, or all of it begins to go; returns how many borders there are then.
+    """
+    for i in range(number):
+        if stretches[i, JOINS_HIGH] == 0.0:
+            continue
+        j = goes_on_in(stretches, number, i)
+        if j == number:
+            continue
+        lower, upper = stretches[i], stretches[j]
+        if lower[ENTER_HIGH] - lower[ENTER_LOW] > APART and upper[ENTER_HIGH] - upper[ENTER_LOW] < -APART:
+            found = keep_border(borders, found, lower[ENTER_HIGH], pitch, False, SNAP)
+        if lower[LEAVE_HIGH] - lower[LEAVE_LOW] < -APART and upper[LEAVE_HIGH] - upper[LEAVE_LOW] > APART:
+            found = keep_border(borders, found, lower[LEAVE_HIGH], pitch, False, SNAP)
+    return found
+
+
 @kernel(lean=True)
 def find_borders(stretches: Array, number: int, pitch: float, borders: Array) -> int:
     """Where force jumps or bends while a pitch goes by, at the ends of the stretches; returns how many there are.
 
     Of small ones only some that are not near another.
     """
-    whole, found = 0.0, 0
+    whole, found = 0.0, find_turns(stretches, number, pitch, borders, 0)
     for i in range(number):
         whole += stretches[i, WIDE]
     for small in (False, True):
@@ -464,6 +499,26 @@ def lay_gaps(chips: Chips, room: Room, number: int, found: int) -> int:
 
 
 @kernel(lean=True, inlined=True)
+def narrow_gap(chips: Chips, room: Room, number: int, gap: Array) -> TipLoad:
+    """Look between the middle of a gap and its greater end; narrow it to that half if force is greater there.
+
+    Where many rows leave one after the other, force has a crest that a parabola over the whole gap does not see.
+    Returns what was found.
+    """
+    begin, end, later = gap[BEGIN], gap[END], gap[LOADS + 2] > gap[LOADS]
+    middle = 0.5 * (begin + end)
+    place = 0.5 * (middle + end) if later else 0.5 * (begin + middle)
+    found = load_at(chips, room.weights, room.stretches, number, place, room.load)
+    if found.force > gap[LOADS + 1]:
+        gap[BEGIN], gap[END] = (middle, end) if later else (begin, middle)
+        beside = 0 if later else 2
+        for of in (LOADS, TORQUES):
+            gap[of + beside] = gap[of + 1]
+        gap[LOADS + 1], gap[TORQUES + 1] = found.force, found.torque
+    return found
+
+
+@kernel(lean=True, inlined=True)
 def greatest_in(chips: Chips, room: Room, number: int, gap: Array, known: TipLoad) -> TipLoad:
     """The greatest loads of those that are `known` and those that are found between two places."""
     force, torque = known
@@ -473,6 +528,9 @@ def greatest_in(chips: Chips, room: Room, number: int, gap: Array, known: TipLoa
     middle = load_at(chips, room.weights, room.stretches, number, 0.5 * (gap[BEGIN] + gap[END]), room.load)
     gap[LOADS + 1], gap[TORQUES + 1] = middle.force, middle.torque
     force, torque = max(force, middle.force), max(torque, middle.torque)
+    if number > FEW and gap[END] - gap[BEGIN] > WIDE_GAP:
+        half = narrow_gap(chips, room, number, gap)
+        force, torque = max(force, half.force), max(torque, half.torque)
     more = climb_parabolas(chips, room, number, gap, LOADS, force)
     force, torque = max(force, more.force), max(torque, more.torque)
     more = climb_parabolas(chips, room, number, gap, TORQUES, torque)

@@ -29,6 +29,8 @@ from gcodesim.processes.edge_kernels import (
     Circle,
     Clearance,
     Heading,
+    off_way,
+    on_way,
     plunge_way,
     probe,
     turned,
@@ -101,9 +103,9 @@ def share_at(
     field: Field, tip: Array, heading: Heading, clearance: Clearance, rows: Array, i: int, sine: float, cosine: float
 ) -> float:
     """Share [-] of row i that is in material at one angle; see `contact_of_rows`."""
-    ux, uy, level, climb = heading
+    ux, uy, level, climb, turn = heading
     cell, ahead, aside = clearance
-    px, py, way = probe(rows[i, RADIUS], rows[i, OUTER], sine, cosine, ahead, aside, level)
+    px, py, way = probe(rows[i, RADIUS], rows[i, OUTER], sine, cosine, ahead, aside, level, turn)
     x, y = tip[0] + ux * px - uy * py, tip[1] + uy * px + ux * py
     rise = climb * max(way, plunge_way(rows, i, cell, level) if climb < 0.0 else 0.0)
     low = tip[2] + rows[i, LOW] + rise + min(0.5 * (1.0 - level) * cell * climb, 0.0)
@@ -245,7 +247,7 @@ def lay_spots(
 
     The loop has no branches and no dependence between its iterations.
     """
-    ux, uy, level, climb = heading
+    ux, uy, level, climb, turn = heading
     cell, ahead, aside = clearance
     sines, cosines, radii, outers, lows, highs, ways, climbs = rows
     xs, ys, bottoms, tops = spots
@@ -254,8 +256,9 @@ def lay_spots(
         sine, cosine = turned(sines[k], cosines[k], 0.5 * (least[k] + most[k]) * (2.0 * np.pi / ANGLES))
         x, y = radii[k] * sine, radii[k] * cosine
         inside = max(radii[k] - aside, 0.0)
-        wide = min(max(y, -inside), inside)
         outer = outers[k] + ahead
+        wide = min(max(off_way(radii[k] * radii[k], y, turn), -inside), inside)
+        wide = min(max(on_way(outer * outer, wide, turn), -outer), outer)
         front = sine > 0.0
         way = np.sqrt(outer * outer - wide * wide) - x if front else ahead
         px, py = x + level * way, y + level * (wide - y) if front else y
@@ -297,9 +300,9 @@ def tell_limits(
             continue
         spot = EdgeSpot(spots.xs[k], spots.ys[k], spots.bottoms[k], spots.tops[k])
         if is_at(walls.left, tip, heading, clearance, spot):
-            angle = of_radius(walls.left, numbers[RADII, k]).angle
+            angle = of_radius(walls.left, numbers[RADII, k], heading.turn).angle
         elif is_at(walls.right, tip, heading, clearance, spot):
-            angle = of_radius(walls.right, numbers[RADII, k]).angle
+            angle = of_radius(walls.right, numbers[RADII, k], heading.turn).angle
         else:
             rest = True
             continue
@@ -341,7 +344,7 @@ def settle_seams(
                 if share[k] == ELSEWHERE:
                     angle = 0.5 * (least[k] + most[k]) * (2.0 * np.pi / ANGLES)
                     sine, cosine = turned(numbers[SINE, k], numbers[COSINE, k], angle)
-                    own = Heading(heading.ux, heading.uy, heading.level, numbers[CLIMBS, k])
+                    own = Heading(heading.ux, heading.uy, heading.level, numbers[CLIMBS, k], heading.turn)
                     share[k] = share_at(field, tip, own, clearance, rows, places[ROW, k], sine, cosine)
         narrow(share, half, numbers[RISES], least, most, share_least, share_most)
     for k in range(number):

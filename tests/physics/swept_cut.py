@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-OUTSIDE = 0.5e-6  # [m] outside the edge, where material is asked for
+OUTSIDE = 0.05e-6  # [m] outside the edge, where material is asked for; a thin cut of a flat edge is not much thicker
 LEAST_ADVANCE = 1.0e-4
 DENSE = 20e-6  # [m] between places of a sweep
 

@@ -173,7 +173,7 @@ def test_edge_wrench_is_the_force_without_a_chip(kind):
     more = {"corner_radius": 2e-3} if kind.startswith("bull") else {}
     law = LinearEdge.from_table(631.0, 13.0, 99.0, 10.0, 273.0, 2.8)
     process = Milling(cutter=TOOLS[kind](diameter=10e-3, **more), law=law)
-    teeth, room, heading = process.packed_tool.teeth, process._room, Heading(0.8, 0.6, 1.0, 0.0)
+    teeth, room, heading = process.packed_tool.teeth, process._room, Heading(0.8, 0.6, 1.0, 0.0, 0.0)
     stock = Stock.box((0.0, 0.0, -20e-3), (60e-3, 40e-3, 0.0), 0.5e-3)
     tip, found, none, fixed = np.array([29.9e-3, 1e-3, -4e-3]), np.zeros(RESULT), np.zeros(RESULT), np.zeros(TORQUE + 1)
 
