@@ -6,7 +6,7 @@ import difflib
 import os
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
-from pathlib import Path, PurePosixPath
+from pathlib import Path
 from typing import Final
 
 from gcodesim.kinematics.xml_lines import Faults, LinedElement
@@ -102,4 +102,5 @@ def _near(file: Path, text: str) -> str:
     close = difflib.get_close_matches(file.name.lower(), by_lower, n=1, cutoff=0.8)
     if not close:
         return "get the meshes that belong to the URDF, or take the <mesh> out"
-    return f"did you mean `{PurePosixPath(text).with_name(by_lower[close[0]])}`?"
+    folder, slash, _ = text.rpartition("/")
+    return f"did you mean `{folder}{slash}{by_lower[close[0]]}`?"

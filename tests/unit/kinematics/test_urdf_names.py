@@ -9,6 +9,7 @@ from gcodesim.cell import load_cell
 from gcodesim.diagnostics import Severity, SourceText
 from gcodesim.jobs.job import Options
 from gcodesim.kinematics import load_urdf
+from gcodesim.kinematics.urdf_meshes import _near
 from gcodesim.log.reader import read_messages
 from gcodesim.simulation import prepare, run
 
@@ -198,6 +199,7 @@ def test_one_finding_for_each_package_that_is_not_known(tmp_path):
     ("name", "hint"),
     [
         ("meshes/A.STL", "`meshes/a.stl`"),
+        ("package://robot/meshes/A.STL", "`package://robot/meshes/a.stl`"),
         ("meshes\\\\a.stl", "`/`"),
         ("https://example.org/a.stl", "network"),
         ("$(find arm)/a.stl", "xacro"),
@@ -265,3 +267,9 @@ def test_a_file_too_large_for_a_description_is_not_read(tmp_path):
         file.truncate(1 << 40)
     chain, findings = load_urdf(path)
     assert chain is None and [f.code for f in findings] == ["GS760"]
+
+
+def test_the_mesh_that_may_be_meant_is_named_as_it_has_to_be_written(tmp_path):
+    (tmp_path / "a.stl").write_bytes(b"")
+
+    assert _near(tmp_path / "A.STL", "package://arm/meshes/A.STL") == "did you mean `package://arm/meshes/a.stl`?"
