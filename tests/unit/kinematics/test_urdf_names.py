@@ -199,7 +199,6 @@ def test_one_finding_for_each_package_that_is_not_known(tmp_path):
     ("name", "hint"),
     [
         ("meshes/A.STL", "`meshes/a.stl`"),
-        ("package://robot/meshes/A.STL", "`package://robot/meshes/a.stl`"),
         ("meshes\\\\a.stl", "`/`"),
         ("https://example.org/a.stl", "network"),
         ("$(find arm)/a.stl", "xacro"),
