@@ -65,7 +65,7 @@ from gcodesim.processes.limit_kernels import (
     no_limit,
     spot_beyond,
 )
-from gcodesim.processes.rim_kernels import DEEPEST, SLOPE_LEFT, SLOPE_RIGHT, UNSEEN, RimRow, rim_limit
+from gcodesim.processes.rim_kernels import DEEPEST, FRONT, SLOPE_LEFT, SLOPE_RIGHT, UNSEEN, RimRow, rim_limit
 from gcodesim.processes.seam_kernels import (
     Seams,
     Steps,
@@ -276,13 +276,13 @@ def rim_of(
 @kernel(lean=True)
 def note_rims(
     field: Field, pieces: Array, circle: Circle, tip: Array, heading: Heading, clearance: Clearance, room: Room, i: int,
-    front: float, told: int, number: int,
+    told: int, number: int,
 ) -> int:  # fmt: skip
     """Add to the first `number` seams those of row i at surfaces inside its rim; how many there are then.
 
     told: the sides of which walls have told the limit.
     """
-    n, rows = ANGLES // 2, room.rows
+    n, rows, front = ANGLES // 2, room.rows, room.line[FRONT]
     left, left_full, right, right_full = no_limit(), False, no_limit(), False
     if told & AT_LEFT == 0:
         left, left_full = rim_of(field, pieces, circle, tip, heading, clearance, room, i, front, True)
@@ -339,7 +339,7 @@ def contact_of_rows(
     beside_way = least_leaning(heading, room.leans)
     span = span_of(tip, heading, clearance, rows, first + number - 1)
     rimmed = field.columns.lo.shape[2] == 1
-    room.line[SLOPE_LEFT], room.line[SLOPE_RIGHT] = UNSEEN, UNSEEN
+    room.line[SLOPE_LEFT], room.line[SLOPE_RIGHT], room.line[FRONT] = UNSEEN, UNSEEN, widest + ahead
     at_left = beside(field, columns, tip, beside_way, clearance, span, 1.0, room.load)
     at_right = beside(field, columns, tip, beside_way, clearance, span, -1.0, room.load)
     walled = at_left.angle != NO_LIMIT or at_right.angle != NO_LIMIT
@@ -382,9 +382,7 @@ def contact_of_rows(
                 beyond = share_beyond(field, tip, beside_way, clearance, span, limit, False)
                 waiting = note_side(circle, clearance, room, i, limit, beyond, False, waiting)
         if rimmed and behind == 0 and sin_kappa > UPRIGHT:
-            waiting = note_rims(
-                field, pieces, circle, tip, beside_way, clearance, room, i, widest + ahead, told, waiting
-            )
+            waiting = note_rims(field, pieces, circle, tip, beside_way, clearance, room, i, told, waiting)
         if left > 0:
             found_steps = Steps(known, steps, room.leans)
             waiting = note_seams(circle, tip, heading, clearance, rows, i, found_steps, left, room.seams, waiting)

@@ -28,6 +28,7 @@ DEEPEST = 2.0  # [cells] inwards, up to which a limit is looked for at a time
 # so it is looked for once.
 SLOPE_LEFT, SLOPE_RIGHT = LINES * SEEN + 8, LINES * SEEN + 9
 UNSEEN = 1.0e9  # no slope
+FRONT = LINES * SEEN + 10  # and how far from the axis columns begin that the tool has not cut [m]
 STRAIGHT = 0.05  # slope of a surface to the way, from which on what is seen so far ahead says nothing of the rim
 LOWEST = -1.0e9  # [m] below every column that is there
 ON_RIM = 1.0e-4  # of a radius, up to which a place is the rim: the tool has left that surface itself
