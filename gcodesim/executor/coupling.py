@@ -22,6 +22,7 @@ from gcodesim.shop import Shop
 if TYPE_CHECKING:
     from gcodesim.checks.stock_watch import Sighting, StockWatch
     from gcodesim.planning import Plan
+    from gcodesim.processes.swing_kernels import Swings
 
 
 class Coupling:
@@ -211,6 +212,17 @@ class Stretch:
             if stint.task.process.pushes:
                 wrench += stint.step(k, before, moved, response)
         return wrench
+
+    def swing(self, swings: Swings) -> Array | None:
+        """What the tool feels (n, 6) in all steps of a machine whose gears swing as `swings`, base axes, tell.
+
+        None where no single process can tell at once; see `world.protocol.SwungAtOnce`. Nothing has happened then.
+        """
+        pushing = [stint for stint in self.stints if stint.task.process.pushes]
+        if len(pushing) != 1 or not pushing[0].swing(swings):
+            return None
+        assert pushing[0].wrench is not None
+        return pushing[0].wrench
 
     def whole(self) -> Array:
         """What the tool feels (n, 6) if the machine follows its command."""

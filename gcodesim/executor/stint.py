@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +17,9 @@ from gcodesim.executor.targets import Bounds
 from gcodesim.executor.tasks import Task
 from gcodesim.frames import Array
 from gcodesim.processes.window import ProcessStep, Window
+
+if TYPE_CHECKING:
+    from gcodesim.processes.swing_kernels import Swings
 
 NEAR = 1e-3
 """Distance [m] from its target within which a process counts as near; more than any arm yields."""
@@ -131,6 +134,23 @@ class Stint:
             wrench = self._loop.step(k, seen[0], seen[1], self.share)
         wrench_from_axes(self.X_BS[k], wrench, out)
         return out
+
+    def swing(self, swings: Swings) -> bool:
+        """All steps at once, on gears that swing as `swings`, in B, tell; whether the process can do so."""
+        act = getattr(self.task.process, "swing", None)
+        if act is None or self.parts is not None or self.anew is not None:
+            return False
+        R_SB = self.X_BS[:, :3, :3].transpose(0, 2, 1)
+        tip = np.concatenate([multiplied(R_SB, swings.tip[:, rows]) for rows in (slice(0, 3), slice(3, 6))], axis=1)
+        freeing = Freeing(self.task, self.window, self.row)
+        freeing.begin()
+        answer = act(self.task.target.given, self.window, self.task.state, swings._replace(tip=tip))
+        if answer is None:
+            return False
+        self._keep(answer)
+        freeing.end()
+        self.freed = freeing.freed
+        return True
 
     def finish(self) -> None:
         """Call after the last step: collects what the process did, all at once if it was not asked step by step."""

@@ -14,6 +14,10 @@ floor, and does so until it is bent as far as its force along the axis bends it.
 A tip that swings by less than a cell goes, for all that the stock can tell, where it went: where teeth meet material
 follows the way over the last cell, and chips are as thick as the tip goes along it.
 
+Where the tip is counts as well: a wall pushes it away in the step in which it comes there. Material is looked up where
+the step begins, and by as much beside it as the tip goes off its command in the step. With the place at the beginning
+alone a wall would be felt a step late, which drives a tip away from it and back, the farther the longer the step.
+
 Two bounds keep a tip that is thrown about from being driven by its own cut. Chips that pull the tool on are no thicker
 than commanded: teeth that pull would else pull the harder the faster it goes. And no chip is thicker than `MOST` of the
 commanded one, or `THICK` of the radius: a tooth that met more would stall or break.
@@ -57,7 +61,7 @@ class FreeCut(NamedTuple):
     """A cutter in a part of a step. `ends` (2, 3) [m]: where it begins and would end alone; `teeth_rate` [1/s].
 
     `told` (3,) is the commanded velocity [m/s], `feed` (2,) the level direction in which the tool has cut so far; it
-    holds on to that with `hold` [m/s], a cell in the time of the part.
+    holds on to that with `hold` [m/s], a cell in the `time` [s] of the part.
     """
 
     ends: Array
@@ -65,6 +69,7 @@ class FreeCut(NamedTuple):
     told: Array
     feed: Array
     hold: float
+    time: float
 
 
 class Give(NamedTuple):
@@ -78,7 +83,10 @@ class Bite(NamedTuple):
     """What does not change while a part is solved: no material nearby is higher than `top` [m]; see `FreeCut`."""
 
     teeth: Teeth
-    place: Array
+    begin: Array  # (3,) where the part begins, and
+    place: Array  # (3,) where material is looked up
+    time: float  # [s] of the part
+    way: Array  # (3,) commanded velocity [m/s]
     top: float
     teeth_rate: float
     told: float  # [m] the commanded chip, and
@@ -107,8 +115,19 @@ def level_way(bite: Bite, v: Array) -> tuple[float, float, float]:
 
 
 @kernel(lean=True)
+def put_beside(bite: Bite, v: Array) -> None:
+    """Put `bite.place` where a tip of velocity v (3,) is beside its command, by the radius at most."""
+    x, y = bite.time * (v[0] - bite.way[0]), bite.time * (v[1] - bite.way[1])
+    size, most = np.sqrt(x * x + y * y), bite.teeth.radius
+    share = most / size if size > most else 1.0
+    bite.place[0], bite.place[1] = bite.begin[0] + share * x, bite.begin[1] + share * y
+    bite.place[2] = bite.begin[2]
+
+
+@kernel(lean=True)
 def wrench_on_way(field: Field, bite: Bite, v: Array, room: Room, result: Array) -> float:
     """Wrench at velocity v (3,) [m/s], into `result` (RESULT,); returns the chip [m] for which it is."""
+    put_beside(bite, v)
     ux, uy, flat = level_way(bite, v)
     speed = np.sqrt(flat * flat + v[2] * v[2])
     if speed <= LEAST_SPEED:
@@ -255,7 +274,7 @@ def balance(
     state = state_of(values)
     way = Way(cut.ends[0], cut.ends[1], np.empty(3), np.empty(3))
     cell, flat = coarsest(field), flat_way(way)
-    top = top_nearby(field, way.after[0], way.after[1], tool.cutter.radius + cell + flat)
+    top = top_nearby(field, way.after[0], way.after[1], 2.0 * tool.cutter.radius + cell + flat)
     feels = state.numbers[FREEDOM] == FREE and min(way.before[2], way.after[2]) - cell < top
     if feels and flat <= 0.0 and way.before[2] == way.after[2]:
         feels = state.numbers[CUTTING] > 0.0
@@ -271,7 +290,9 @@ def balance(
     most = max(MOST * chip, THICK * tool.teeth.radius)
     slope = HOLLOW if told[2] >= -LEAST_ADVANCE * speed else 0.0
     hold = cut.hold if state.numbers[CUTTING] > 0.0 else 0.0
-    bite = Bite(tool.teeth, way.before, top, cut.teeth_rate, chip, most, slope, cut.feed, hold)
+    bite = Bite(
+        tool.teeth, way.before, np.empty(3), cut.time, told, top, cut.teeth_rate, chip, most, slope, cut.feed, hold
+    )
     kept = (np.empty(RESULT), np.empty(3), np.empty(RESULT), np.empty((2, 2)))
     chip, fall = solve_way(field, bite, give, v, room, kept, result)
     ux, uy, flat = level_way(bite, v)

@@ -98,10 +98,15 @@ def _part_way(
     if field is None:
         return nothing
     feed = np.array(kept.feed) if kept.feed.any() else np.array([1.0, 0.0])
-    hold = stock.cell / (step.dt * float(step.share[part]))
+    time = step.dt * float(step.share[part])
     rate = float(alone.spindle[0]) * process.packed_tool.teeth.number / (2.0 * np.pi)
     cut = FreeCut(
-        np.array([local.starts[0] + bend, local.ends[-1] + bend]), rate, applied(back, step.told[part]), feed, hold
+        ends=np.array([local.starts[0] + bend, local.ends[-1] + bend]),
+        teeth_rate=rate,
+        told=applied(back, step.told[part]),
+        feed=feed,
+        hold=stock.cell / time,
+        time=time,
     )
     halves = [multiplied(back, np.ascontiguousarray(step.response[:, k : k + 3]), frame) for k in (0, 3)]
     give = Give(np.array(local.velocity[0]), np.ascontiguousarray(np.concatenate(halves, axis=1)) / step.dt)

@@ -44,6 +44,7 @@ if TYPE_CHECKING:
     from gcodesim.processes.materials import Material
     from gcodesim.processes.milling_kernels import MillingTool, Motion
     from gcodesim.processes.milling_loop import MillingLoop
+    from gcodesim.processes.swing_kernels import Swings
 
 Array = NDArray[np.float64]
 
@@ -217,13 +218,22 @@ class Milling(Process):
 
         return MillingLoop(self, stock, window, state)
 
-    def _step_of(self, out: Array, stock: Stock, window: Window) -> ProcessStep:
-        """The kernel's output (n, OUTPUTS) as columns by name; views where nothing has to be converted."""
+    def swing(self, stock: Stock, window: Window, state: ProcessState, swings: Swings) -> ProcessStep | None:
+        """The same in one call, for a machine whose gears swing; None where it has to go step by step."""
+        from gcodesim.processes.milling_swing import milled_swinging
+
+        return milled_swinging(self, stock, window, state, swings)
+
+    def _step_of(self, out: Array, stock: Stock, window: Window, springs: Array | None = None) -> ProcessStep:
+        """The kernel's output (n, OUTPUTS) as columns by name; views where nothing has to be converted.
+
+        `springs` (n, 3) [m]: how much farther than commanded the tip goes in each step, where links have inertia.
+        """
         from gcodesim.processes import milling_kernels as m
 
         removed = out[:, m.REMOVED]
         rapid = window.rapid & (removed > 0.0)
-        bound, below = self._grazed(stock, window) if rapid.any() else (0.0, 0.0)
+        bound, below = self._grazed(stock, window, springs) if rapid.any() else (0.0, 0.0)
         return ProcessStep(
             wrench=out[:, m.WRENCH : m.WRENCH + 6],
             deflection=out[:, m.DEFLECTION : m.DEFLECTION + 3],
@@ -271,12 +281,13 @@ class Milling(Process):
         across = square - along * along > ALONG * ALONG * square
         return {SIDEWAYS.name: np.where(across & ~window.rapid, removed, 0.0)}
 
-    def _grazed(self, stock: Stock, window: Window) -> tuple[Array, Array]:
+    def _grazed(self, stock: Stock, window: Window, springs: Array | None) -> tuple[Array, Array]:
         """What a rapid may seem to remove (n,) [m³] while it only grazes: a layer of all wall that it passes.
 
+        With what a tool takes that springs back when its cut ends: its section across the way by which it springs.
         And how deep (n,) [m] it is in the stock, along the axis of the tool.
         """
-        exact = (window.axis[:, 2] > UPRIGHT) & (window.compliance is None)
+        exact = (window.axis[:, 2] > UPRIGHT) & (window.compliance is None) & (springs is None)
         layer = np.where(exact, GRAZED * stock.cell + SLACK, COARSE * stock.cell)
         way, step = window.piece_end - window.piece_start, window.piece_step
         axis = window.axis[step]
@@ -291,6 +302,10 @@ class Milling(Process):
         bound, below = np.zeros((2, window.steps))
         np.add.at(bound, step, layer[step] * walls)
         np.maximum.at(below, step, depth)
+        if springs is not None:
+            up = np.abs(dots(springs, window.axis))
+            flat = np.sqrt(np.maximum(dots(springs, springs) - up * up, 0.0))
+            bound += self.zone.radius * (2.0 * below * flat + np.pi * self.zone.radius * up)
         return bound, below
 
     @cached_property

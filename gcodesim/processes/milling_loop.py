@@ -38,6 +38,7 @@ class MillingLoop:
         self._motion = process._motion_of(window, self._turns)
         self._leaning = Leaning.of(window, self._turns)
         self._last = np.append(self._turns.first[1:], len(self._turns.step))
+        self._springs = np.zeros((window.steps, 3))
         self._out: list[Array] = []
 
     def step(self, k: int, moved_before: Array, moved: Array, share: Array, response: Array | None = None) -> Array:
@@ -75,6 +76,7 @@ class MillingLoop:
             leans=bool(self._leaning.parts[here].any()),
         )
         went = free_way(self._process, self._stock, alone, self._state)
+        self._springs[k] = farther(went.motion, self._motion, first)
         out = self._process.run_parts(self._stock, went.motion, self._leaning.part(here, first), self._state)
         felt = out[:, m.ENGAGED] > 0.0
         out[:, m.WRENCH : m.WRENCH + 6] = np.where(felt[:, None], went.wrench, 0.0)
@@ -134,7 +136,17 @@ class MillingLoop:
 
     def finish(self) -> ProcessStep:
         """The outcome of all steps."""
-        return self._process._step_of(of_steps(np.concatenate(self._out), self._turns), self._stock, self._window)
+        out = of_steps(np.concatenate(self._out), self._turns)
+        return self._process._step_of(out, self._stock, self._window, self._springs)
+
+
+def farther(went: Motion, told: Motion, first: int) -> Array:
+    """How much farther (3,) [m] a tip goes than it was told to, whose pieces are those of `told` from `first` on."""
+    last = len(went.starts) - 1
+    if last < 0:
+        return np.zeros(3)
+    way: Array = went.ends[last] - went.starts[0] - told.ends[first + last] + told.starts[first]
+    return way
 
 
 def across(way: Array, axis: Array) -> Array:

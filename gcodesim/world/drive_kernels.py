@@ -169,9 +169,9 @@ def feed_forward(dt: float, drives: Drives, aim: Aim, state: DriveState, room: S
 
 
 @kernel
-def solve_in_place(A: Array, b: Array) -> None:
-    """Solve A x = b for a symmetric positive A (n, n); x is left in `b`, A is spoilt (Cholesky)."""
-    n = b.shape[0]
+def factor_in_place(A: Array) -> None:
+    """Factor a symmetric positive A (n, n), of which the lower half is read and replaced (Cholesky)."""
+    n = A.shape[0]
     for i in range(n):
         for k in range(i + 1):
             total = A[i, k]
@@ -181,6 +181,12 @@ def solve_in_place(A: Array, b: Array) -> None:
                 A[i, i] = np.sqrt(max(total, 1e-300))
             else:
                 A[i, k] = total / A[k, k]
+
+
+@kernel
+def solve_factored(A: Array, b: Array) -> None:
+    """Solve A x = b for a matrix that `factor_in_place` has factored; x is left in `b` (n,)."""
+    n = b.shape[0]
     for i in range(n):
         total = b[i]
         for m in range(i):
@@ -330,7 +336,8 @@ def assemble(
             A[i, k] = 0.5 * (A[i, k] + A[k, i])
     for i in range(joints):
         room.speed[i] = right[i]
-    solve_in_place(A, room.speed)
+    factor_in_place(A)
+    solve_factored(A, room.speed)
 
 
 @kernel

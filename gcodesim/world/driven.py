@@ -7,7 +7,7 @@ the same. So both agree as far as two ways to integrate do.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, cast
 
 import numpy as np
 
@@ -17,7 +17,7 @@ from gcodesim.kinematics.dynamics import inverse_dynamics
 from gcodesim.kinematics.elasticity import shift_jacobian
 from gcodesim.world.body import RobotBody, ToolBody
 from gcodesim.world.payload import payload_of
-from gcodesim.world.protocol import STANDARD_GRAVITY, Couple, WorldSteps
+from gcodesim.world.protocol import STANDARD_GRAVITY, Couple, SwungAtOnce, WorldSteps
 from gcodesim.world.reaction import tool_reaction
 from gcodesim.world.state import WorldBase, reaction_of, wrench_rows
 
@@ -28,6 +28,9 @@ if TYPE_CHECKING:
 SHORTEST_NS: Final = 250_000
 """A step is divided into parts of at most this time: 0.25 ms, at which modes up to 100 Hz keep most of their swing."""
 
+
+LATE: Final = 1e-9
+"""[rad, m] A motor that is farther from its command has been at its limit, and catches up."""
 
 USUAL_ROTOR: Final = 500.0
 """[rad/s², m/s²] with which a motor at its limit accelerates itself, where nobody says how heavy its rotor is."""
@@ -55,6 +58,7 @@ class DrivenWorld(WorldBase):
         self._wrench = np.zeros(6)
         self._room = room_of(j, self._parts)
         self._memory: dict[str, Any] = {}
+        self._wound: Array | None = None  # (2j,) how links are off their motors, where the last steps were swung
         self._steps = 0
         self._before = np.zeros((2, j))  # motors and links, their speeds at the end of the last step
         self._body = links_of(robot.chain, None, self.gravity_B)
@@ -106,6 +110,7 @@ class DrivenWorld(WorldBase):
     def _wind_up(self, *, motors_stay: bool) -> None:
         """Gears as gravity winds them up where the links are; links stay where they are."""
         state, gear = self._state, self._drives.gear
+        self._wound = None
         self._weigh_at(state.q)
         sag = np.where(gear > 0.0, self._room.static / np.where(gear > 0.0, gear, 1.0), 0.0)
         state.theta[:] = state.theta + (sag - state.sag) if motors_stay else state.q + sag
@@ -149,7 +154,11 @@ class DrivenWorld(WorldBase):
         from gcodesim.world.foresight_kernels import DriveOutcome
 
         commands = self._commands(q_command)
+        swung = self._swung(commands, couple)
+        if swung is not None:
+            return swung
         n, j = commands.shape
+        self._wound = self._wound if n == 0 else None
         outcome = DriveOutcome(np.empty((n, j)), np.empty((n, j)), np.empty((n, j)), np.zeros((n, j), dtype=np.int64))
         wrench = np.zeros((n, 6))
         if couple is not None and not callable(couple):
@@ -165,6 +174,44 @@ class DrivenWorld(WorldBase):
         if n:
             self._wrench[:] = wrench[-1]
         return self._told(outcome, wrench)
+
+    def _swung(self, commands: Array, couple: Couple | Array | None) -> WorldSteps | None:
+        """The steps in one call, while motors are where they are to be and gears alone give way; None where not so.
+
+        Then nothing has changed, and the steps go one by one.
+        """
+        from gcodesim.world.foresight_kernels import DriveOutcome
+        from gcodesim.world.swinging import Swinging
+
+        own, state, n = self.robot.controller, self._state, len(commands)
+        process = cast("SwungAtOnce", couple) if hasattr(couple, "swing") else None
+        if own.law != "placed" or own.aims or not n or (callable(couple) and process is None):
+            return None
+        if not self._drives.gear.any() or np.abs(state.theta - state.sag - self._aim.q1).max() > LATE:
+            return None
+        swinging = Swinging(self._drives, self._body, self.dt, self._parts)
+        y = self._wound
+        if y is None:
+            y = np.concatenate([state.q - state.theta + state.sag, state.qd - self._aim.v1])
+        swinging.prepare(commands, self._aim, self._mean, y)
+        if process is not None:
+            undo = process.save()
+            wrench = process.swing(swinging.swings)
+        else:
+            wrench = swinging.under(None if callable(couple) else couple)
+        if wrench is None:
+            return None
+        if not swinging.motors_can(wrench):
+            if process is not None:
+                undo()
+            return None
+        swinging.leave(state, self._aim, self._mean)
+        self._wound = swinging.swings.winds[-1].copy()
+        self._placed()
+        self._steps += n
+        self._wrench[:] = wrench[-1]
+        full = np.zeros(commands.shape, dtype=np.int64)
+        return self._told(DriveOutcome(swinging.links, commands, swinging.effort, full), wrench)
 
     def _run_known(self, commands: Array, wrench: Array, outcome: Any) -> None:
         """Steps under wrenches (n, 6) that are known, with a law that is compiled."""

@@ -11,7 +11,7 @@ look into the next window, and no number depends on how a run is split into wind
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import Final, Protocol
+from typing import TYPE_CHECKING, Final, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +19,9 @@ from numpy.typing import NDArray
 from gcodesim.frames import Array, Pose
 from gcodesim.frozen import frozen
 from gcodesim.world.body import ToolBody
+
+if TYPE_CHECKING:
+    from gcodesim.processes.swing_kernels import Swings
 
 # acceleration of free fall [m/s²] in W; the conventional value (CGPM 1901)
 STANDARD_GRAVITY: Final = (0.0, 0.0, -9.80665)
@@ -36,6 +39,19 @@ class Reacting(Protocol):
         The joints (j,) of the links begin the step at `q_before` and end it at `q_free` if there is no wrench; a
         wrench F moves the tip by `response` (6, 6) F besides (translation, rotation vector).
         """
+
+
+class SwungAtOnce(Protocol):
+    """A process that can tell about many steps of a machine whose gears swing at once.
+
+    A world may ask `swing` in place of all `react`. None: it cannot, and nothing has happened.
+    """
+
+    def swing(self, swings: Swings) -> Array | None:
+        """The wrenches (n, 6) on the tool at the tip, base axes; the winds of `swings` are filled."""
+
+    def save(self) -> Callable[[], None]:
+        """Remember what steps change; calling the result restores it."""
 
 
 class WorldUnavailable(RuntimeError):  # noqa: N818  (it is no error of ours: something is not installed here)
