@@ -1,7 +1,8 @@
 """Robots whose motors obey a controller: motors, gears and links move by their equations of motion.
 
 In the kinematic world the links move by our own equations, in `bullet` by Bullet's; motors, gears and controllers are
-the same. So both agree as far as two ways to integrate do.
+the same. So both agree as far as two ways to integrate do. Steps that are swung at once (see `swinging`) are the same
+in both.
 """
 
 from __future__ import annotations
@@ -27,7 +28,6 @@ if TYPE_CHECKING:
 
 SHORTEST_NS: Final = 250_000
 """A step is divided into parts of at most this time: 0.25 ms, at which modes up to 100 Hz keep most of their swing."""
-
 
 LATE: Final = 1e-9
 """[rad, m] A motor that is farther from its command has been at its limit, and catches up."""
@@ -176,9 +176,9 @@ class DrivenWorld(WorldBase):
         return self._told(outcome, wrench)
 
     def _swung(self, commands: Array, couple: Couple | Array | None) -> WorldSteps | None:
-        """The steps in one call, while motors are where they are to be and gears alone give way; None where not so.
+        """The steps in one call, while motors are where they are to be and gears alone give way.
 
-        Then nothing has changed, and the steps go one by one.
+        None where that is not so: nothing has changed, and the steps go one by one.
         """
         from gcodesim.world.foresight_kernels import DriveOutcome
         from gcodesim.world.swinging import Swinging

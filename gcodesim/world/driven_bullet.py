@@ -15,7 +15,7 @@ from gcodesim.world.protocol import STANDARD_GRAVITY
 
 
 class DrivenBulletWorld(DrivenWorld):
-    """See `DrivenWorld`. Bullet takes one of its steps for each part of a step."""
+    """See `DrivenWorld`. Bullet takes one of its steps for each part of a step, unless steps are swung at once."""
 
     require = staticmethod(import_pybullet)
 
