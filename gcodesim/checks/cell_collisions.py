@@ -12,6 +12,7 @@ from gcodesim.canon import ToolChange
 from gcodesim.checks.cell_bodies import CellBody
 from gcodesim.checks.cell_meetings import CellMeeting
 from gcodesim.checks.clearance import tip_in_words
+from gcodesim.checks.collisions import FIRST_TOUCH
 from gcodesim.diagnostics import Diagnostic, Span
 from gcodesim.frames import Array, Pose
 from gcodesim.scene import PUT, Stay
@@ -125,7 +126,7 @@ class CellWords:
             code, hint = body_part(one.part).code, body_part(one.part).hint
         elif code == MACHINES and other.stand:
             code, hint = LINK, _HINTS[LINK]
-        span, where = self._place(meeting, one, other, meeting.begin, "first ")
+        span, where = self._place(meeting, one, other, meeting.begin, f"; {FIRST_TOUCH}")
         depth = -meeting.gap / MM
         return Diagnostic(
             code=code,
@@ -176,7 +177,7 @@ class CellWords:
         return sorted(mine, key=lambda each: each.stands(meeting.begin))
 
     def _place(
-        self, meeting: CellMeeting, one: CellBody, other: CellBody, time: float, first: str = ""
+        self, meeting: CellMeeting, one: CellBody, other: CellBody, time: float, before: str = ", with the tip at"
     ) -> tuple[Span, str]:
         """The line that is to blame, and where its tip is then."""
         movers = self._movers(meeting)
@@ -198,7 +199,7 @@ class CellWords:
             for each in movers[1:]
             if (other_span := each.span(time)) is not None
         )
-        return span, f", {first}with the tip at {who.tip_words(time)}{beside}" if len(who.plan.path) else beside
+        return span, f"{before} {who.tip_words(time)}{beside}" if len(who.plan.path) else beside
 
 
 def changes_with_a_part(

@@ -12,14 +12,13 @@ from numpy.typing import NDArray
 from gcodesim.arithmetic.distinct import distinct
 from gcodesim.arithmetic.matrices import applied, inverse_pose, multiplied, norms
 from gcodesim.canon.systems import name_of_system
-from gcodesim.checks.collisions import Obstacle, ToolParts, collision_finding, fixture_touches
+from gcodesim.checks.collisions import Obstacle, ToolParts, collision_finding, fixture_touches, place_in_words
 from gcodesim.checks.pairs import may_not_meet
 from gcodesim.diagnostics import Diagnostic
 from gcodesim.frames import WORLD, Array, Pose
 from gcodesim.frozen import frozen
 from gcodesim.motion.tool_path import ToolState
 from gcodesim.scene import Role, Scene
-from gcodesim.units import MM
 
 if TYPE_CHECKING:
     from gcodesim.planning.plan import Plan
@@ -160,5 +159,4 @@ def tip_in_words(plan: Plan, q: Array, row: int, X_BM: Pose) -> str:
     """Where the tip is with the joints at q (j,), in the work system in force in a path row; machine zero is X_BM."""
     tip = plan.tip(q[None], np.array([row]))[0, :3, 3]
     system, point = place_in_system(X_BM.inverse().apply(tip), plan.path.state_of(row))
-    where = " ".join(f"{letter}{value / MM:.3f}" for letter, value in zip("XYZ", point + 0.0, strict=True))
-    return f"{where} of {system}"
+    return place_in_words(system, point)

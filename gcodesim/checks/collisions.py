@@ -201,14 +201,22 @@ def _boxes(outline: Array, start: Array, end: Array, axis: Array) -> tuple[Array
     return low, high
 
 
+FIRST_TOUCH: Final = "they touch first when the tip is at"
+
+
+def place_in_words(system: str, point: Array) -> str:
+    """Coordinates of `point` (3,) [m] in a work system, in mm; what rounds to zero has no sign."""
+    numbers = np.round(point / MM, 3) + 0.0
+    return " ".join(f"{letter}{value:.3f}" for letter, value in zip("XYZ", numbers, strict=True)) + f" of {system}"
+
+
 def collision_finding(touch: Touch, span: Span, system: str, point: Array, time: float | None = None) -> Diagnostic:
     """GS301 to GS304: `point` (3,) [m] is where the tip is at first contact, in work system `system`; `time` [s]."""
-    where = " ".join(f"{letter}{value / MM:.3f}" for letter, value in zip("XYZ", point + 0.0, strict=True))
     part = body_part(touch.part)
     return Diagnostic(
         code=part.code,
-        message=f"{part.words} of {touch.tool} hits {touch.fixture}, {touch.depth / MM:.3f} mm deep, "
-        f"first with the tip at {where} of {system}",
+        message=f"{part.words} of {touch.tool} hits {touch.fixture}, {touch.depth / MM:.3f} mm deep; "
+        f"{FIRST_TOUCH} {place_in_words(system, point)}",
         span=span,
         hint=part.hint,
         time=time,

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from gcodesim.arithmetic.matrices import applied, multiplied
 from gcodesim.checks.clearance import tip_in_words
+from gcodesim.checks.collisions import FIRST_TOUCH
 from gcodesim.checks.machine_bodies import CarriedBody, MachineBodies, may_meet_by_motion
 from gcodesim.checks.rigid import RigidBody, bounds_of
 from gcodesim.diagnostics import Diagnostic, Severity
@@ -269,8 +270,8 @@ class _Check:
         return Diagnostic(
             code=code,
             severity=Severity.WARNING if code == STOCK_HIT else None,  # it may have been cut away by then
-            message=f"{body_in_words(one)} hits {_object(other)}, {depth:.3f} mm deep, "
-            f"first with the tip at {self._tip_words(stretch, meeting.share)}",
+            message=f"{body_in_words(one)} hits {_object(other)}, {depth:.3f} mm deep; "
+            f"{FIRST_TOUCH} {self._tip_words(stretch, meeting.share)}",
             span=self.plan.path.span(way.row(stretch)),
             hint=_HINTS[code],
             time=way.time(stretch, meeting.share),

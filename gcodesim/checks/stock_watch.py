@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.checks.clearance import tip_in_words
+from gcodesim.checks.collisions import FIRST_TOUCH
 from gcodesim.checks.machine_bodies import CarriedBody, may_meet_by_motion, on_joint
 from gcodesim.checks.machine_collisions import STOCK_HINT, STOCK_HIT, MachineChecks, body_in_words
 from gcodesim.checks.meetings import TOUCH, MovingBodies
@@ -290,7 +291,7 @@ class StockWatch:
         clearance = (self.checks.clearance or 0.0) / MM
         who, what = body_in_words(body), f"stock `{stock.name}`"
         if hits:
-            says = f"{who} hits {what}, {depth:.3f} mm deep, first with the tip at {tip}"
+            says = f"{who} hits {what}, {depth:.3f} mm deep; {FIRST_TOUCH} {tip}"
         else:
             says = (
                 f"{who} passes {what} at {max(-depth, 0.0):.3f} mm, less than {clearance:g} mm, with the tip at {tip}"

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final
 from gcodesim.canon import Action, Event, ToolChange
 from gcodesim.cell.signal_values import SIGNAL
 from gcodesim.processes import PROCESSES
-from gcodesim.processes.signal import ACTIVE, Signal
+from gcodesim.processes.signal import ACTIVE, SPINDLE, Signal
 from gcodesim.session import caller
 
 if TYPE_CHECKING:
@@ -25,6 +25,11 @@ _M: Final = 0  # the number of an M-code that nobody wrote
 def hears(tool: Tool, order: tuple[str, str]) -> bool:
     """Whether a process of the tool is set by this target and verb."""
     return any(signal.is_set_by({order}) for kind in tool.processes for signal in PROCESSES[kind].reads)
+
+
+def turns(tool: Tool) -> bool:
+    """Whether the speed of the spindle matters to it, as it may to a tool without a process."""
+    return not tool.processes or any(SPINDLE in PROCESSES[kind].reads for kind in tool.processes)
 
 
 def _takes_actions(tool: Tool | None) -> bool:

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from gcodesim.motion.tool_path import ToolPath
 from gcodesim.session.misuse import MisuseError
-from gcodesim.session.switches import CLOSE, ON, OPEN, hears, settings_of
+from gcodesim.session.switches import CLOSE, ON, OPEN, hears, settings_of, turns
 from gcodesim.tools.tcp_load import LOAD_FRAMES
 
 if TYPE_CHECKING:
@@ -112,8 +112,14 @@ class HandTool:
         self._cell._switches.set(name, float(value))
 
     def spin(self, speed: float) -> None:
-        """Turn the spindle from the next step on [rad/s]; above 0 as M3, below as M4, 0 stops it."""
+        """Turn the spindle from the next step on [rad/s]; above 0 as M3, below as M4, 0 stops it.
+
+        MisuseError when no robot holds the tool, or when it is a tool that does not turn, such as a gripper.
+        """
         self._held()
+        if not turns(self.spec):
+            instead = "; a gripper has `close` and `open`" if hears(self.spec, CLOSE) else ""
+            raise MisuseError(f"tool {self.number} ({self.spec.kind}) does not turn{instead}")
         if not np.isfinite(speed):
             raise MisuseError(f"a spindle cannot turn with {speed} rad/s")
         self._cell._state = replace(self._cell._state, spindle=float(speed))

@@ -59,7 +59,7 @@ def test_an_island_is_hit_where_it_stands() -> None:
     cut = BEGIN + layers((-10, -20), (30, 50)).replace("Y50\nX30", "Y50\nX30\nY30") + DIP + END
     ran = run_texts(cut, HEAD)
     (hit,) = (f for f in ran.results.findings if f.code == "GS307")
-    assert "first with the tip at X45.000 Y40.000 Z-30.00" in hit.message
+    assert "they touch first when the tip is at X45.000 Y40.000 Z-30.00" in hit.message
     assert hit.value == pytest.approx(5.0, abs=2e-3)
     assert hit.bodies == ("head", "stock")
     assert hit.span.line == cut.splitlines().index("G1 Z-35 F1000") + 1

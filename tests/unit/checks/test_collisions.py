@@ -256,7 +256,7 @@ def test_a_finding_says_line_both_bodies_place_and_depth() -> None:
     assert finding.code == "GS303"
     assert finding.span.line == 70
     assert finding.message == (
-        "the holder of T2 hits clamp, 3.000 mm deep, first with the tip at X25.000 Y0.000 Z10.000 of G55"
+        "the holder of T2 hits clamp, 3.000 mm deep; they touch first when the tip is at X25.000 Y0.000 Z10.000 of G55"
     )
     assert (finding.value, finding.unit, finding.time) == (pytest.approx(3.0), "mm", 2.5)
 

@@ -161,6 +161,8 @@ def _with(number: int, what: Callable[[Any], Any]) -> Callable[[OpenCell], Any]:
         (_with(5, lambda tool: tool.set("beam", 1.0)), "has no setting `beam`"),
         (_with(6, lambda tool: tool.set("abrasive", 1.5)), "cannot be 1.5; it can be from 0 to 1"),
         (_with(1, lambda tool: tool.spin(float("inf"))), "cannot turn with inf"),
+        (_with(5, lambda tool: tool.spin(100.0)), "does not turn; a gripper has `close` and `open`"),
+        (_with(2, lambda tool: tool.spin(100.0)), r"tool 2 \(extruder\) does not turn$"),
         (_with(1, lambda tool: tool.apply_tcp_force([1.0, 2.0])), "a force has three finite numbers"),
         (lambda cell: cell.tool(1).couple("arm"), "is coupled to an arm of the cell"),
     ],
