@@ -20,6 +20,7 @@ NAMES = (
     "camotics",
     "log",
     "printing",
+    "coating",
     "reference",
     "suite",
     "scale",
