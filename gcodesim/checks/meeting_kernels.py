@@ -42,6 +42,8 @@ WINDOW = 1e-3  # [m] by which two bodies are above a level when their gap is not
 AGAIN = 2  # samples on a stretch that begins in contact
 DEEPER = 5e-6  # [m] by which bodies must be deeper in each other than known for it to be worth a look: less than what
 # the way is known to
+FEW = 24  # couples of convex bodies that are looked at one by one on a piece of a stretch
+SHORTEST = 1.0 / 256.0  # of a stretch: pieces are no shorter
 LEAST_SHARE = 0.05  # of such a stretch, up to which the place of the least gap is sought
 
 
@@ -217,6 +219,49 @@ def least_gap(
 
 
 @kernel
+def seen_between(
+    p: int,
+    k: int,
+    begin: float,
+    end: float,
+    couple: Couple,
+    chain: JointTree,
+    way: WayColumns,
+    walk: Walk,
+    room: WayRoom,
+) -> float:
+    """Poses of `walk` in the middle between two shares of a stretch, and how far [m] a point may be from there."""
+    middle = 0.5 * (begin + end)
+    for j in range(way.q.shape[1]):
+        step = way.q[k + 1, j] - way.q[k, j]
+        room.q[j] = way.q[k, j] + middle * step
+        walk.swing[j] = 0.5 * (end - begin) * abs(step) + way.bend[k, j]
+    joint_frames(room.q, chain.parent, chain.before, chain.axis, chain.prismatic, room.frames)
+    seen_from(room.frames, couple.common[p], couple.first[p], walk.Xa)
+    seen_from(room.frames, couple.common[p], couple.second[p], walk.Xb)
+    return range_of(p, couple, walk.swing)
+
+
+@kernel
+def couples_within(
+    pair: Ints, limit: float, forest: Forest, bodies: Convexes, walk: Walk, gaps: GapRoom, n: Array, most: int
+) -> int:
+    """How many couples of convex bodies are nearer than `limit` at the poses of `walk`; counted up to `most`."""
+    nodes = walk.nodes
+    nodes[0, 0], nodes[0, 1] = pair[0], pair[1]
+    top, count = 0, 0
+    while count < most:
+        top = next_leaves(top, limit, forest, nodes, walk.Xa, walk.Xb)
+        if top < 0:
+            return count
+        a, b = forest.convex[nodes[top, 0]], forest.convex[nodes[top, 1]]
+        if is_nearer(a, b, bodies, walk.Xa, walk.Xb, limit, gaps, n):
+            count += 1
+        top -= 1
+    return count
+
+
+@kernel
 def first_on(
     p: int,
     pair: Ints,
@@ -229,28 +274,38 @@ def first_on(
     walk: Walk,
     rooms: tuple[WayRoom, GapRoom],
 ) -> tuple[float, int, int, float]:
-    """Where on a stretch two bodies first come to a level: share, both convex bodies, the gap [m]."""
-    room, _ = rooms
-    k, t, level = place
-    for j in range(way.q.shape[1]):
-        room.q[j] = way.q[k, j]
-        walk.swing[j] = abs(way.q[k + 1, j] - way.q[k, j]) + way.bend[k, j]
-    limit = range_of(p, couple, walk.swing) + level + CLOSE
-    joint_frames(room.q, chain.parent, chain.before, chain.axis, chain.prismatic, room.frames)
-    seen_from(room.frames, couple.common[p], couple.first[p], walk.Xa)
-    seen_from(room.frames, couple.common[p], couple.second[p], walk.Xb)
+    """Where on a stretch two bodies first come to a level: share, both convex bodies, the gap [m].
+
+    Bodies of many parts are looked at on pieces of the stretch, so short that few couples of parts may meet on one.
+    """
+    room, gaps = rooms
+    k, begin, level = place
+    width = 1.0 - begin
     nodes = walk.nodes
-    nodes[0, 0], nodes[0, 1] = pair[0], pair[1]
-    top, first, one, other, deep = 0, NEVER, -1, -1, 0.0
+    first, one, other, deep = NEVER, -1, -1, 0.0
     while True:
-        top = next_leaves(top, limit, forest, nodes, walk.Xa, walk.Xb)
-        if top < 0:
+        end = 1.0 if begin + width >= 1.0 else begin + width
+        limit = seen_between(p, k, begin, end, couple, chain, way, walk, room) + level + CLOSE
+        count = couples_within(pair, limit, forest, bodies, walk, gaps, room.n, FEW + 1)
+        if count > FEW and width > SHORTEST:
+            width *= 0.5
+            continue
+        nodes[0, 0], nodes[0, 1] = pair[0], pair[1]
+        top = 0 if count > 0 else -1
+        while True:
+            top = next_leaves(top, limit, forest, nodes, walk.Xa, walk.Xb)
+            if top < 0:
+                break
+            a, b = forest.convex[nodes[top, 0]], forest.convex[nodes[top, 1]]
+            if is_nearer(a, b, bodies, walk.Xa, walk.Xb, limit, gaps, room.n):
+                near = k, begin, level, min(first, end)
+                share, gap = descend(p, a, b, near, couple, chain, way, bodies, rooms)
+                if share < first:
+                    first, one, other, deep = share, a, b, gap
+            top -= 1
+        if first <= end or end >= 1.0:
             return first, one, other, deep
-        a, b = forest.convex[nodes[top, 0]], forest.convex[nodes[top, 1]]
-        share, gap = descend(p, a, b, (k, t, level, first), couple, chain, way, bodies, rooms)
-        if share < first:
-            first, one, other, deep = share, a, b, gap
-        top -= 1
+        begin, width = end, 2.0 * width
 
 
 @kernel

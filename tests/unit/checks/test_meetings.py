@@ -4,12 +4,13 @@ import math
 
 import numpy as np
 import pytest
+import trimesh
 
-from gcodesim.checks.meetings import JointWay, MovingBodies
+from gcodesim.checks.meetings import JointWay, Meeting, MovingBodies
 from gcodesim.checks.rigid import RigidBody, is_closed, is_convex, is_within
 from gcodesim.frames import Pose, rotation_about
 from gcodesim.kinematics.chain import Tree
-from gcodesim.solids import Box, Cone, Cylinder, Mesh, Placed, Revolution, Solid, Sphere, triangles_of
+from gcodesim.solids import Box, Cone, Cylinder, Mesh, Placed, Revolution, Solid, Sphere, Triangles, triangles_of
 
 X, Y, Z = np.eye(3)
 
@@ -207,3 +208,22 @@ def test_bodies_of_many_triangles_are_searched_at_once() -> None:
     pair = pair_of(ALONG_X, body("ball", Sphere(radius=1e-3), (0.0, 0.02, 9e-3), carrier=0), fine)
     (meeting,) = pair.search(JointWay.straight(np.array([[-0.2], [0.2]])), level=5e-3)
     assert meeting.gap == pytest.approx(3e-3, abs=1e-5)
+
+
+def test_bodies_of_thousands_of_triangles_pass_close_by_or_meet_where_their_balls_do() -> None:
+    """Two dumbbells of 2,560 triangles, which are not convex: so each triangle is a body that may meet each other."""
+    radius, apart = 0.05, 0.2
+    ball = trimesh.creation.icosphere(subdivisions=3, radius=radius)
+    corners, faces = np.array(ball.vertices), np.array(ball.faces, dtype=np.int32)
+    points = np.concatenate([corners - apart * X, corners + apart * X])
+    dumbbell = Mesh(source=Triangles(points=points, faces=np.concatenate([faces, faces + len(corners)])))
+    way = JointWay.straight(np.array([[-0.15], [0.15]]))
+
+    def meetings(gap: float) -> list[Meeting]:
+        still = body("still", dumbbell, (0.0, 2.0 * radius + gap, 0.0))
+        return pair_of(ALONG_X, body("moving", dumbbell, carrier=0), still).search(way)
+
+    assert meetings(1e-4) == []
+    (meeting,) = meetings(-2e-3)
+    ahead = math.sqrt((2.0 * radius) ** 2 - (2.0 * radius - 2e-3) ** 2)
+    assert meeting.share * 0.3 == pytest.approx(0.15 - ahead, abs=1.5e-3)  # facets lie up to 0.2 mm within the balls
