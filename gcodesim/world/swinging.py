@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -28,7 +27,7 @@ class Swinging:
 
     def __init__(self, drives: Drives, body: LinkBodies, dt: float, parts: int) -> None:
         self._drives, self._body, self._dt = drives, body, dt
-        self._halvings = math.ceil(math.log2(max(parts, 1)))
+        self._halvings = (max(parts, 1) - 1).bit_length()
 
     def prepare(self, commands: Array, aim: Aim, mean: Array, y: Array) -> None:
         """For motors that go through `commands` (n, j), from `aim` on with the `mean` speed (j,) of the last step.
