@@ -46,6 +46,7 @@ _STEP: Final = 0.04  # [rad] of a rotary axis in a segment: a joint leaves its p
 _BEND: Final = 0.1  # [rad] of direction in a segment of an arc
 _PROBE: Final = 1e-5  # [m, rad] over which a slope is taken
 _SHARE: Final = 0.99  # of each limit; the rest is for the change of q'' within a segment
+_EVEN: Final = 1e-7  # [-] of the greatest rate by which rates may differ along which joints go evenly
 
 
 @frozen(kw_only=False, eq=False)
@@ -250,7 +251,12 @@ def _caps(kinematics: Kinematics, tips: TipWay, segments: Segments, q: tuple[Arr
         unresolved=np.empty(len(piece)),
     )
     rates, acceleration = SegmentRates(start, end, mean), _SHARE * np.minimum(joints.acceleration, 1e6)
+    allowed = found.acceleration.copy()
     joint_caps(rates, length, NORMAL_SHARE, _SHARE * np.minimum(joints.speed, 1e6), acceleration, found)
+    even = np.maximum(np.abs(start - mean), np.abs(end - mean)).max(axis=1) <= _EVEN * np.abs(mean).max(axis=1)
+    found.wanted[even] /= _SHARE  # nothing changes within
+    found.speed[even] = np.minimum(wanted, found.wanted)[even]
+    found.acceleration[even] = np.minimum(allowed, found.acceleration / _SHARE)[even]
     last = np.append(piece[1:] != piece[:-1], True)[: len(piece)]
     follows = np.diff(piece) == 1  # within a piece there are none
     junction = np.minimum(np.where(last, pieces.junction[piece], np.inf), found.speed)

@@ -54,7 +54,7 @@ class RimSight(NamedTuple):
     full: bool
 
 
-class Profile(NamedTuple):
+class EdgeProfile(NamedTuple):
     """Columns (SEEN,) from the outside in: how far ahead of the axis and outside of it, heights, radii of the edge [m].
 
     Columns that are empty or outside the stock have heights of -inf. `line` (4,) is room.
@@ -68,10 +68,10 @@ class Profile(NamedTuple):
 
 
 @kernel(lean=True, inlined=True)
-def profile_of(line: Array) -> Profile:
+def profile_of(line: Array) -> EdgeProfile:
     """Room for a profile in a line of at least 4 SEEN + 4 numbers."""
     n = SEEN
-    return Profile(
+    return EdgeProfile(
         line[:n], line[n : 2 * n], line[2 * n : 3 * n], line[3 * n : LINES * n], line[LINES * n : LINES * n + 4]
     )
 
@@ -108,7 +108,7 @@ def widest_below(pieces: Array, height: float) -> float:
 
 @kernel(lean=True)
 def read_profile(
-    field: Field, tip: Array, heading: Heading, ahead: float, row: RimRow, about: float, profile: Profile
+    field: Field, tip: Array, heading: Heading, ahead: float, row: RimRow, about: float, profile: EdgeProfile
 ) -> None:
     """Read columns near the line across the way that is so far `ahead` [m] of the tip, from about there on inwards."""
     grid, ux, uy = field.grid, heading.ux, heading.uy
@@ -131,7 +131,7 @@ def read_profile(
 
 
 @kernel(lean=True, inlined=True)
-def read_radii(pieces: Array, row: RimRow, k: int, profile: Profile) -> None:
+def read_radii(pieces: Array, row: RimRow, k: int, profile: EdgeProfile) -> None:
     """Fill in the radii of the edge at the heights of the columns k and k + 1 and of those beside them."""
     for m in range(max(k - 1, 0), min(k + 3, SEEN)):
         profile.radii[m] = radius_of_edge(pieces, max(profile.heights[m] - row.tip, 0.0))
@@ -157,7 +157,7 @@ class Rise(NamedTuple):
 
 
 @kernel(lean=True)
-def crossing_on(profile: Profile, values: Array, rise: Rise, end: float, target: float, least: float) -> float:
+def crossing_on(profile: EdgeProfile, values: Array, rise: Rise, end: float, target: float, least: float) -> float:
     """How far from the lower end [m] the surface of a rise has a value; `end`: that at its higher end.
 
     Lines on through the two columns on either side make a crest or a furrow between them, as edges of grooves are;
@@ -185,7 +185,7 @@ def crossing_on(profile: Profile, values: Array, rise: Rise, end: float, target:
 
 @kernel(lean=True, inlined=True)
 def wall_in(
-    field: Field, tip: Array, heading: Heading, profile: Profile, k: int, height: float, row: RimRow
+    field: Field, tip: Array, heading: Heading, profile: EdgeProfile, k: int, height: float, row: RimRow
 ) -> tuple[bool, float, float]:
     """The wall between columns k and k + 1 of a profile at a height: whether it is known, where, and its foot [m]."""
     ux, uy = heading.ux, heading.uy
@@ -198,7 +198,7 @@ def wall_in(
 
 @kernel(lean=True)
 def place_between(
-    field: Field, pieces: Array, tip: Array, heading: Heading, profile: Profile, k: int, row: RimRow
+    field: Field, pieces: Array, tip: Array, heading: Heading, profile: EdgeProfile, k: int, row: RimRow
 ) -> float:
     """Where the surface crosses a row between the columns k and k + 1 of a profile, one above it and one below [m]."""
     at, heights = profile.asides, profile.heights
@@ -227,7 +227,7 @@ def dips_between(heights: Array, k: int) -> bool:
 
 
 @kernel(lean=True, inlined=True)
-def furrow_at(profile: Profile, k: int, row: RimRow) -> tuple[float, float]:
+def furrow_at(profile: EdgeProfile, k: int, row: RimRow) -> tuple[float, float]:
     """Between which places, outer and inner [m], a furrow is deeper than a row that no column k or k + 1 shows.
 
     Not in order where there is none.
@@ -244,7 +244,7 @@ def furrow_at(profile: Profile, k: int, row: RimRow) -> tuple[float, float]:
 
 @kernel(lean=True)
 def see_rim(
-    field: Field, pieces: Array, tip: Array, heading: Heading, clearance: Clearance, profile: Profile, row: RimRow,
+    field: Field, pieces: Array, tip: Array, heading: Heading, clearance: Clearance, profile: EdgeProfile, row: RimRow,
     about: float,
 ) -> RimSight:  # fmt: skip
     """The outermost place up to about there, inside the rim, where the surface of a profile crosses a row."""
