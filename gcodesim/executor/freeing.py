@@ -90,9 +90,7 @@ class Freeing:
     def _keep(self, begin: int, end: int) -> list[Kept]:
         """What every stock may lose in steps `begin` to `end`."""
         ways = self._ways(begin, end)
-        return [
-            own.keep(ways._replace(starts=ways.starts - at, ends=ways.ends - at)) for _, at, own in self._partings
-        ]
+        return [own.keep(ways._replace(starts=ways.starts - at, ends=ways.ends - at)) for _, at, own in self._partings]
 
     @cached_property
     def _reach(self) -> tuple[float, bool]:

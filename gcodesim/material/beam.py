@@ -16,6 +16,7 @@ from gcodesim.material.beam_kernels import (
     BeamForm,
     BeamWay,
     Struck,
+    StruckParts,
     radius_at,
     share_within,
     strike,
@@ -23,7 +24,6 @@ from gcodesim.material.beam_kernels import (
 
 if TYPE_CHECKING:
     from gcodesim.material.assembly import StockAssembly
-    from gcodesim.material.beam_in_parts_kernels import StruckParts
     from gcodesim.material.stock import Stock
 
 Array = NDArray[np.float64]
@@ -36,6 +36,7 @@ __all__ = [
     "BeamForm",
     "BeamWay",
     "Struck",
+    "StruckParts",
     "radius_at",
     "share_within",
     "strike_assembly",
@@ -82,7 +83,7 @@ def strike_assembly(
     the first.
     """
     from gcodesim.material.ablating_parts import put_back, side_by_side
-    from gcodesim.material.beam_in_parts_kernels import StruckParts, Together, strike_through
+    from gcodesim.material.beam_in_parts_kernels import Together, strike_through
 
     stocks, (count, m) = assembly.stocks, volume.shape
     for stock, own in zip(stocks, volume.T, strict=True):

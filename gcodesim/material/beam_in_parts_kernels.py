@@ -22,6 +22,7 @@ from gcodesim.material.beam_kernels import (
     BeamForm,
     BeamWay,
     Ray,
+    StruckParts,
     aim_at,
     distance_to,
     follow_ray,
@@ -59,16 +60,6 @@ class AblatingParts(NamedTuple):
     dose: Array
     threshold: float
     notes: Array
-
-
-class StruckParts(NamedTuple):
-    """What became of c pieces in m stocks: `taken` (c, m) [m³]; (c,) what of `given` met material, the least distance
-    [m] from the focus to where it did (infinite: nowhere), and the greatest dose of a column so far [per m²]."""
-
-    taken: Array
-    met: Array
-    off: Array
-    dose: Array
 
 
 @kernel(inlined=True)

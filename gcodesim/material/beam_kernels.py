@@ -74,6 +74,16 @@ class Struck(NamedTuple):
     dose: Array
 
 
+class StruckParts(NamedTuple):
+    """What became of c pieces in m stocks: `taken` (c, m) [m³]; (c,) what of `given` met material, the least distance
+    [m] from the focus to where it did (infinite: nowhere), and the greatest dose of a column so far [per m²]."""
+
+    taken: Array
+    met: Array
+    off: Array
+    dose: Array
+
+
 class Ray(NamedTuple):
     """A ray from (x, y, z) [m] in the direction (dx, dy, dz), over the distance `far` [m]; `length` [m] is the height
     of a column that it could take, `dose` [per m²] what it gives to one."""

@@ -21,6 +21,30 @@ def breadth(field: Field) -> float:
     return float(max(field.grid.dx * nx, field.grid.dy * ny))
 
 
+@kernel(lean=True, inlined=True)
+def sides(field: Field) -> tuple[float, float]:
+    """The sides of a cell along x and y [m]."""
+    return field.grid.dx, field.grid.dy
+
+
+@kernel(lean=True, inlined=True)
+def index_at(field: Field, x: float, y: float) -> tuple[float, float]:
+    """Where a place (x, y) [m] is, counted in columns: whole numbers are their middles."""
+    return (x - field.grid.x) / field.grid.dx - 0.5, (y - field.grid.y) / field.grid.dy - 0.5
+
+
+@kernel(lean=True, inlined=True)
+def middle_of(field: Field, i: int, j: int) -> tuple[float, float]:
+    """The middle (x, y) [m] of a column, also beside the field."""
+    return field.grid.x + (i + 0.5) * field.grid.dx, field.grid.y + (j + 0.5) * field.grid.dy
+
+
+@kernel(lean=True, inlined=True)
+def is_of_one_layer(field: Field) -> bool:
+    """Whether no column has room for more than one interval."""
+    return bool(field.columns.lo.shape[2] == 1)
+
+
 @kernel(lean=True)
 def patches_within(field: Field, x0: float, x1: float, y0: float, y1: float) -> tuple[int, int, int, int]:
     """Patches that may have columns in a rectangle [m]: first and last + 1 along x, and along y."""

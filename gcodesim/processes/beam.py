@@ -23,8 +23,7 @@ from gcodesim.units import MM, MM3
 if TYPE_CHECKING:
     from gcodesim.diagnostics import Diagnostic
     from gcodesim.material.assembly import StockAssembly
-    from gcodesim.material.beam import BeamForm, Struck
-    from gcodesim.material.beam_in_parts_kernels import StruckParts
+    from gcodesim.material.beam import BeamForm, Struck, StruckParts
     from gcodesim.material.stock import Stock
     from gcodesim.processes.rows import Rows
     from gcodesim.tools.beam_tool import BeamTool

@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.compiled import kernel
+from gcodesim.material.column_kernels import is_of_one_layer
 from gcodesim.material.kernels import (
     ELSEWHERE,
     Field,
@@ -338,7 +339,7 @@ def contact_of_rows(
         leans_of(field, circle, tip, heading, clearance, ring, room.leans)
     beside_way = least_leaning(heading, room.leans)
     span = span_of(tip, heading, clearance, rows, first + number - 1)
-    rimmed = field.columns.lo.shape[2] == 1
+    rimmed = is_of_one_layer(field)
     room.line[SLOPE_LEFT], room.line[SLOPE_RIGHT], room.line[FRONT] = UNSEEN, UNSEEN, widest + ahead
     at_left = beside(field, columns, tip, beside_way, clearance, span, 1.0, room.load)
     at_right = beside(field, columns, tip, beside_way, clearance, span, -1.0, room.load)

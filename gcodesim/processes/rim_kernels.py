@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.compiled import kernel
+from gcodesim.material.column_kernels import index_at, middle_of, sides
 from gcodesim.material.kernels import Field, highest_at, wall_near
 from gcodesim.processes.edge_kernels import ARC, AT_R, AT_Z, FOOT, HEAD, LENGTH, THIN, Clearance, Heading, on_way
 from gcodesim.processes.limit_kernels import BASE, STEEPEST_TURN, ContactLimit, angle_at, no_limit
@@ -111,20 +112,21 @@ def read_profile(
     field: Field, tip: Array, heading: Heading, ahead: float, row: RimRow, about: float, profile: EdgeProfile
 ) -> None:
     """Read columns near the line across the way that is so far `ahead` [m] of the tip, from about there on inwards."""
-    grid, ux, uy = field.grid, heading.ux, heading.uy
+    (dx, dy), ux, uy = sides(field), heading.ux, heading.uy
     out_x, out_y = -uy * row.side, ux * row.side
     along_x = abs(out_x) > abs(out_y)
     # the line goes through centres of columns along one axis, and past the nearest ones along the other
     x, y = tip[0] + ux * ahead + out_x * about, tip[1] + uy * ahead + out_y * about
-    u, v = (x - grid.x) / grid.dx - 0.5, (y - grid.y) / grid.dy - 0.5
+    u, v = index_at(field, x, y)
     across, onward = (u, out_x) if along_x else (v, out_y)
-    step = (grid.dx if along_x else grid.dy) / abs(onward)  # [m] from column to column
+    step = (dx if along_x else dy) / abs(onward)  # [m] from column to column
     shift = np.ceil(across) - across if onward > 0.0 else across - np.floor(across)
     for k in range(SEEN):
         way = (shift + (BEYOND - 1 - k)) * step
-        i = int(np.rint(u + way * out_x / grid.dx))
-        j = int(np.rint(v + way * out_y / grid.dy))
-        own_x, own_y = grid.x + (i + 0.5) * grid.dx - tip[0], grid.y + (j + 0.5) * grid.dy - tip[1]
+        i = int(np.rint(u + way * out_x / dx))
+        j = int(np.rint(v + way * out_y / dy))
+        x, y = middle_of(field, i, j)
+        own_x, own_y = x - tip[0], y - tip[1]
         profile.aheads[k] = own_x * ux + own_y * uy
         profile.asides[k] = own_x * out_x + own_y * out_y
         profile.heights[k] = highest_at(field, i, j)

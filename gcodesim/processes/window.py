@@ -156,9 +156,7 @@ def _joined(parts: Sequence[Mapping[str, NDArray[Any]]], lengths: Sequence[int])
     """Columns one after the other; zeros where one of the parts, of so many steps, has none of that name."""
     kinds = {name: values.dtype for columns in parts for name, values in columns.items()}
     return {
-        name: np.concatenate(
-            [columns.get(name, np.zeros(n, kind)) for columns, n in zip(parts, lengths, strict=True)]
-        )
+        name: np.concatenate([columns.get(name, np.zeros(n, kind)) for columns, n in zip(parts, lengths, strict=True)])
         for name, kind in kinds.items()
     }
 

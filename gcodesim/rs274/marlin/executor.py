@@ -47,9 +47,7 @@ _SETTINGS: Final = frozenset(("G10", "G20", "G21"))
 _SHOWN: Final = ("M0", "M1")
 """Waits whose text a display shows."""
 
-_META: Final = frozenset(
-    ("VAR", "GLOBAL", "SET", "IF", "ELIF", "ELSE", "WHILE", "BREAK", "CONTINUE", "ABORT", "SKIP")
-)
+_META: Final = frozenset(("VAR", "GLOBAL", "SET", "IF", "ELIF", "ELSE", "WHILE", "BREAK", "CONTINUE", "ABORT", "SKIP"))
 """Commands of RepRapFirmware that say which lines are done, and with what (docs.duet3d.com, GCode meta commands)."""
 
 _NO_NOZZLE: Final = 255

@@ -110,7 +110,7 @@ def test_forces_and_volumes_are_those_of_ticks(both: tuple[Ran, Ran]) -> None:
     rows = ticks["removed"] > 0.005 * ticks["removed"].max()
     assert rows.sum() == 6
     for name in ("force", "peak_force", "torque", "peak_torque"):
-        off = 0.05 if "peak" in name else 0.03  # peaks are looked for at other places
+        off = 0.08 if "peak" in name else 0.03  # looked for at other places; arcs are felt some cells late
         assert path[name][rows] == pytest.approx(ticks[name][rows], rel=off), name
 
 

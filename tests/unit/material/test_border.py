@@ -27,7 +27,8 @@ OWN = {
     "sweep_kernels": {"CONE", "CYLINDER", "Shape"},
     "field_kernels": {"Field"},
     "column_kernels": {
-        *("breadth", "column_at", "columns_of_patch", "finest", "interval_of", "patch_room", "patches_within")
+        *("breadth", "column_at", "columns_of_patch", "finest", "index_at", "interval_of", "is_of_one_layer"),
+        *("middle_of", "patch_room", "patches_within", "sides"),
     },
 }
 """What is taken from other files with kernels: shapes of tools, and columns by what may be asked of them."""
