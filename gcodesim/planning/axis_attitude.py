@@ -253,10 +253,11 @@ def _caps(kinematics: Kinematics, tips: TipWay, segments: Segments, q: tuple[Arr
     rates, acceleration = SegmentRates(start, end, mean), _SHARE * np.minimum(joints.acceleration, 1e6)
     allowed = found.acceleration.copy()
     joint_caps(rates, length, NORMAL_SHARE, _SHARE * np.minimum(joints.speed, 1e6), acceleration, found)
-    even = np.maximum(np.abs(start - mean), np.abs(end - mean)).max(axis=1) <= _EVEN * np.abs(mean).max(axis=1)
-    found.wanted[even] /= _SHARE  # nothing changes within
-    found.speed[even] = np.minimum(wanted, found.wanted)[even]
-    found.acceleration[even] = np.minimum(allowed, found.acceleration / _SHARE)[even]
+    if soft:  # S-curves of straight moves are known in closed form
+        even = np.maximum(np.abs(start - mean), np.abs(end - mean)).max(axis=1) <= _EVEN * np.abs(mean).max(axis=1)
+        found.wanted[even] /= _SHARE
+        found.speed[even] = np.minimum(wanted, found.wanted)[even]
+        found.acceleration[even] = np.minimum(allowed, found.acceleration / _SHARE)[even]
     last = np.append(piece[1:] != piece[:-1], True)[: len(piece)]
     follows = np.diff(piece) == 1  # within a piece there are none
     junction = np.minimum(np.where(last, pieces.junction[piece], np.inf), found.speed)
