@@ -231,14 +231,10 @@ def seen_between(
     room: WayRoom,
 ) -> float:
     """Poses of `walk` in the middle between two shares of a stretch, and how far [m] a point may be from there."""
-    middle = 0.5 * (begin + end)
+    place_at(p, k, 0.5 * (begin + end), couple, chain, way, room)
+    walk.Xa[:], walk.Xb[:] = room.Xa, room.Xb
     for j in range(way.q.shape[1]):
-        step = way.q[k + 1, j] - way.q[k, j]
-        room.q[j] = way.q[k, j] + middle * step
-        walk.swing[j] = 0.5 * (end - begin) * abs(step) + way.bend[k, j]
-    joint_frames(room.q, chain.parent, chain.before, chain.axis, chain.prismatic, room.frames)
-    seen_from(room.frames, couple.common[p], couple.first[p], walk.Xa)
-    seen_from(room.frames, couple.common[p], couple.second[p], walk.Xb)
+        walk.swing[j] = 0.5 * (end - begin) * abs(way.q[k + 1, j] - way.q[k, j]) + way.bend[k, j]
     return range_of(p, couple, walk.swing)
 
 

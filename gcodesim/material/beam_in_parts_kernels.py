@@ -27,6 +27,8 @@ from gcodesim.material.beam_kernels import (
     distance_to,
     follow_ray,
     line_of,
+    steps_of,
+    tip_at,
 )
 from gcodesim.material.field_kernels import Bytes, Columns, Field, Grid, Ints, Singles
 
@@ -173,17 +175,11 @@ def strike_through(
     for c in range(first, len(volume)):
         if way.given[c] <= 0.0:
             continue
-        length = 0.0
-        for n in range(3):
-            d[n] = -way.axes[c, n]
-            length += (way.ends[c, n] - way.starts[c, n]) * (way.ends[c, n] - way.starts[c, n])
-        steps = max(1, math.ceil(math.sqrt(length) / stride))
+        steps = steps_of(way, c, stride, d)
         for k in range(len(parts.lo)):
             takes[k] = volume[c, k] / steps
         for i in range(steps):
-            share = (i + 0.5) / steps
-            for n in range(3):
-                p[n] = way.starts[c, n] + share * (way.ends[c, n] - way.starts[c, n])
+            tip_at(way, c, (i + 0.5) / steps, p)
             met, off = shine_through(parts, together, form, p, d, takes, way.given[c] / steps, struck.taken[c])
             struck.met[c] += met
             struck.off[c] = min(struck.off[c], off)

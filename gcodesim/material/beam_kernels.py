@@ -458,6 +458,23 @@ def shine(on: Ablating, form: BeamForm, p: Array, d: Array, volume: float, given
 
 
 @kernel
+def steps_of(way: BeamWay, c: int, stride: float, d: Array) -> int:
+    """In how many steps of at most `stride` [m] piece `c` is gone through; its direction (3,) is left in `d`."""
+    length = 0.0
+    for n in range(3):
+        d[n] = -way.axes[c, n]
+        length += (way.ends[c, n] - way.starts[c, n]) * (way.ends[c, n] - way.starts[c, n])
+    return max(1, math.ceil(math.sqrt(length) / stride))
+
+
+@kernel
+def tip_at(way: BeamWay, c: int, share: float, p: Array) -> None:
+    """The tip `p` (3,) [m] at a share of piece `c`."""
+    for n in range(3):
+        p[n] = way.starts[c, n] + share * (way.ends[c, n] - way.starts[c, n])
+
+
+@kernel
 def strike(on: Ablating, form: BeamForm, way: BeamWay, first: int, struck: Struck) -> int:
     """Pieces `first` … of a beam's way in order; the index of the piece before which columns get more room, or their
     number. What is `struck` is added to. Each piece is gone through in steps of at most a column."""
@@ -469,15 +486,9 @@ def strike(on: Ablating, form: BeamForm, way: BeamWay, first: int, struck: Struc
     for c in range(first, len(way.volume)):
         if way.given[c] <= 0.0:
             continue
-        length = 0.0
-        for n in range(3):
-            d[n] = -way.axes[c, n]
-            length += (way.ends[c, n] - way.starts[c, n]) * (way.ends[c, n] - way.starts[c, n])
-        steps = max(1, math.ceil(math.sqrt(length) / stride))
+        steps = steps_of(way, c, stride, d)
         for k in range(steps):
-            share = (k + 0.5) / steps
-            for n in range(3):
-                p[n] = way.starts[c, n] + share * (way.ends[c, n] - way.starts[c, n])
+            tip_at(way, c, (k + 0.5) / steps, p)
             taken, met, off = shine(on, form, p, d, way.volume[c] / steps, way.given[c] / steps)
             struck.taken[c] += taken
             struck.met[c] += met
