@@ -6,14 +6,13 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from gcodesim.arithmetic.elementary import cos_sin
-from gcodesim.arithmetic.matrices import applied, multiplied, norm, norms
+from gcodesim.arithmetic.matrices import applied, norm, norms
 from gcodesim.frames import Array, rotation_about
 from gcodesim.frozen import frozen
+from gcodesim.kinematics.attitude_kernels import along_directions, by_turns
 from gcodesim.kinematics.directions import angle_about, two_turns
 
 _TURN: Final = 2.0 * np.pi
-_BACK: Final = 1e-12  # 1 + z of a direction that points straight back
 
 
 class WordTurn(NamedTuple):
@@ -35,15 +34,10 @@ class WordTurns:
 
     def rotations(self, values: Array) -> Array:
         """R (k, 3, 3) of words a, b, c (k, 3) [rad]; zero is upright."""
-        R = np.tile(np.eye(3), (len(values), 1, 1))
-        for turn in self.turns:
-            cosine, sine = cos_sin(turn.sign * values[:, turn.word])
-            own = np.zeros((len(values), 3, 3))
-            i, j = (turn.axis + 1) % 3, (turn.axis + 2) % 3
-            own[:, turn.axis, turn.axis] = 1.0
-            own[:, i, i], own[:, j, j] = cosine, cosine
-            own[:, i, j], own[:, j, i] = -sine, sine
-            R = multiplied(R, own)
+        R = np.empty((len(values), 3, 3))
+        axis, word = (np.array([turn[k] for turn in self.turns], dtype=np.int64) for k in range(2))
+        sign = np.array([turn.sign for turn in self.turns], dtype=np.float64)
+        by_turns(np.require(values, np.float64, ["C", "W"]), axis, word, sign, R)
         return R
 
     def towards(self, direction: Array, near: Array) -> list[Array]:
@@ -93,16 +87,8 @@ class Direction:
 
     def rotations(self, values: Array) -> Array:
         """R (k, 3, 3) of vectors (k, 3): the shortest turn that brings Z into the direction; straight back about X."""
-        d = values + np.array([0.0, 0.0, 1.0])
-        d = d / np.maximum(norms(d), 1e-12)[:, None]
-        x, y, z = d.T
-        back = 1.0 + z < _BACK
-        share = 1.0 / np.where(back, 1.0, 1.0 + z)
-        R = np.empty((len(d), 3, 3))
-        R[:, 0, 0], R[:, 0, 1], R[:, 0, 2] = 1.0 - share * x * x, -share * x * y, x
-        R[:, 1, 0], R[:, 1, 1], R[:, 1, 2] = -share * x * y, 1.0 - share * y * y, y
-        R[:, 2, 0], R[:, 2, 1], R[:, 2, 2] = -x, -y, z
-        R[back] = np.diag([1.0, -1.0, -1.0])
+        R = np.empty((len(values), 3, 3))
+        along_directions(np.require(values, np.float64, ["C", "W"]), R)
         return R
 
     @staticmethod

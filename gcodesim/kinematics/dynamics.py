@@ -79,21 +79,38 @@ def inverse_dynamics(
     """
     from gcodesim.kinematics.dynamics_kernels import efforts_along
 
-    q, tree = rows(q), chain.tree
+    q = rows(q)
     qd, qdd = (rows(np.broadcast_to(v, q.shape)) for v in (qd, qdd))
     w = rows(np.broadcast_to(0.0 if wrench is None else wrench, (len(q), 6)))
+    out = np.empty_like(q)
+    down = np.array(gravity, dtype=np.float64)
+    efforts_along(q, qd, qdd, w, down, moved_bodies(chain, payload), chain.tree, _tip(chain, p_FT), out)
+    return out
+
+
+def efforts_of(
+    chain: Chain,
+    q: Array,
+    qd: Array,
+    qdd: Array,
+    payload: Inertial | None = None,
+    wrench: Array | None = None,
+    *,
+    p_FT: Array | tuple[float, float, float] = (0.0, 0.0, 0.0),
+    gravity: Array | tuple[float, float, float] = GRAVITY,
+) -> Array:
+    """`inverse_dynamics` (m, n, j) of m motions qd, qdd (m, n, j) through the same joints q (n, j)."""
+    from gcodesim.kinematics.motion_effort_kernels import efforts_of_motions
+
+    w = np.zeros((1, 6)) if wrench is None else rows(wrench)
+    out = np.empty(qd.shape)
+    down = np.array(gravity, dtype=np.float64)
+    efforts_of_motions(rows(q), qd, qdd, w, down, moved_bodies(chain, payload), chain.tree, _tip(chain, p_FT), out)
+    return out
+
+
+def _tip(chain: Chain, p_FT: Array | tuple[float, float, float]) -> Array:
+    """The tip (4, 4) seen from the joint that carries the flange."""
     X_FT = np.eye(4)
     X_FT[:3, 3] = p_FT
-    out = np.empty_like(q)
-    efforts_along(
-        q,
-        qd,
-        qdd,
-        w,
-        np.array(gravity, dtype=np.float64),
-        moved_bodies(chain, payload),
-        tree,
-        np.ascontiguousarray(multiplied(tree.flange_offset, X_FT)),
-        out,
-    )
-    return out
+    return np.ascontiguousarray(multiplied(chain.tree.flange_offset, X_FT))

@@ -7,23 +7,26 @@ flange; a bent one holds its nose elsewhere.
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cached_property
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from gcodesim.arithmetic.matrices import applied, multiplied
+from gcodesim.arithmetic.elementary import cos_sin
+from gcodesim.arithmetic.matrices import applied
 from gcodesim.frames import Array
 from gcodesim.frozen import frozen
 from gcodesim.motion.pieces import Pieces
-from gcodesim.planning.flange_poses import flange_origins, flange_poses, turned, unbent
+from gcodesim.planning.flange_kernels import Holding, hold_tools, turn_flanges, twists_between
+from gcodesim.planning.flange_poses import flange_origins, flange_poses, tool_rotation, unbent
 from gcodesim.planning.guide import Guide
 from gcodesim.planning.spin_along import SpinAlong
 
 _PROBE: Final = 1e-5  # [m, rad] over which a slope is taken
 
 
-@frozen(kw_only=False, eq=False)
+@frozen(slots=False, kw_only=False, eq=False)
 class Flange:
     """Where the flange has to be when the controlled point is somewhere on the pieces.
 
@@ -49,15 +52,27 @@ class Flange:
         return None if self.bend is None else self.bend[self.pieces.row_first[piece]]
 
     def _noses(self, piece: NDArray[np.int64], s: Array, positions: Array) -> Array:
-        row = self.pieces.row_first[piece]
-        R = self.R_BO[row]
+        row = self.pieces.row_first[piece].astype(np.int64)
         if self.guide is None:
-            X = flange_poses(flange_origins(positions[:, :3], self.offset[row], R), R, self.spin)
+            R = self.R_BO[row]
         else:
-            R = self.guide.leaning(R, row, positions, self.guide.words(piece, s, positions))
+            R = self.guide.frames(self._holding, row, self.guide.words(piece, s, positions))
+        externals = None if self.guide is None else self.guide.externals(piece, s, positions)
+        if self.guide is not None and externals is not None:
             p = flange_origins(positions[:, :3], self.offset[row], R)
-            X = flange_poses(*self.guide.from_arm(p, R, row, self.guide.externals(piece, s, positions)), self.spin)
-        return X if self.turning is None else turned(X, self.turning.at(piece, s)[0])
+            X = flange_poses(*self.guide.from_arm(p, R, row, externals), self.spin)
+        else:
+            X = np.empty((len(row), 4, 4))
+            hold_tools(np.ascontiguousarray(positions), R, row, self._holding, X)
+        if self.turning is not None:
+            turn_flanges(X, *cos_sin(self.turning.at(piece, s)[0]))
+        return X
+
+    @cached_property
+    def _holding(self) -> Holding:
+        axes = np.zeros((0, 3, 3)) if self.guide is None else self.guide.axes
+        tables = (np.require(table, np.float64, ["C", "W"]) for table in (self.R_BO, axes, self.offset))
+        return Holding(*tables, tool_rotation(self.spin))
 
     def at(self, piece: NDArray[np.int64], s: Array) -> Array:
         """X_BF (k, 4, 4) at places `s` (k,) of `piece` (k,)."""
@@ -84,14 +99,13 @@ class Flange:
         straight = replace(self, turning=None)
         ahead, behind = (straight._noses(piece, s + d, points + d[:, None] * slope) for d in (step, -step))
         if self.turning is not None:
-            rate = self.turning.at(piece, s)[1]
-            middle = self.turning.at(piece, s)[0]
-            ahead, behind = turned(ahead, middle + step * rate), turned(behind, middle - step * rate)
+            middle, rate = self.turning.at(piece, s)
+            turn_flanges(ahead, *cos_sin(middle + step * rate))
+            turn_flanges(behind, *cos_sin(middle - step * rate))
         ahead, behind = (unbent(X, self.bend_of(piece)) for X in (ahead, behind))
-        width = 2.0 * step[:, None]
-        R = multiplied(ahead[:, :3, :3], behind[:, :3, :3].swapaxes(1, 2))
-        turn = 0.5 * np.stack([R[:, 2, 1] - R[:, 1, 2], R[:, 0, 2] - R[:, 2, 0], R[:, 1, 0] - R[:, 0, 1]], axis=1)
-        return np.concatenate([(ahead[:, :3, 3] - behind[:, :3, 3]) / width, turn / width], axis=1)
+        out = np.empty((len(step), 6))
+        twists_between(behind, ahead, 2.0 * step, out)
+        return out
 
     def unturned(self) -> Flange:
         """The same with a spin of 0 all along."""

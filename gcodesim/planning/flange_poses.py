@@ -16,12 +16,17 @@ _TURNED = np.diag([1.0, -1.0, -1.0])  # a tool that points down: its Z along -Z 
 
 def flange_poses(p_BO: Array, R_BO: Array, spin: float) -> Array:
     """X_BF (n, 4, 4) at origins (n, 3) [m] with tools along −Z of R_BO (n, 3, 3), turned by `spin` [rad]."""
-    c, s = cos_sin(spin)
     X = np.zeros((len(p_BO), 4, 4))
-    X[:, :3, :3] = multiplied(R_BO, multiplied(_TURNED, np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])))
+    X[:, :3, :3] = multiplied(R_BO, tool_rotation(spin))
     X[:, :3, 3] = p_BO
     X[:, 3, 3] = 1.0
     return X
+
+
+def tool_rotation(spin: float) -> Array:
+    """The tool (3, 3) seen from O: along −Z, turned by `spin` [rad]."""
+    c, s = cos_sin(spin)
+    return multiplied(_TURNED, np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]))
 
 
 def turned(X_BF: Array, spins: Array) -> Array:

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from gcodesim.arithmetic.matrices import applied, inverse_pose, multiplied
 from gcodesim.frames import Array
 from gcodesim.frozen import frozen
+from gcodesim.planning.flange_kernels import Holding, lean_frames
 
 if TYPE_CHECKING:
     from gcodesim.kinematics.assembly import Assembly
@@ -91,6 +92,14 @@ class Guide:
         Q = self.axes[row]
         leaned: Array = multiplied(Q, self.law.rotations(words), Q.swapaxes(1, 2), R_BO)
         return leaned
+
+    def frames(self, holding: Holding, row: NDArray[np.int64], words: Array) -> Array:
+        """What `leaning` says by `words` (k, 3) in rows `row` (k,) of a path that is held so."""
+        if self.law is None:
+            return holding.R_BO[row]
+        out = np.empty((len(row), 3, 3))
+        lean_frames(self.law.rotations(words), row, holding, out)
+        return out
 
     def words(self, piece: NDArray[np.int64], s: Array, positions: Array) -> Array:
         """Words (k, 3) at places `s` (k,) of `piece` (k,), which are at `positions` (k, 6)."""

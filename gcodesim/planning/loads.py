@@ -14,7 +14,7 @@ from gcodesim.arithmetic.matrices import applied, multiplied
 from gcodesim.frames import Array, Pose
 from gcodesim.frozen import frozen
 from gcodesim.kinematics.chain import Chain, Inertial
-from gcodesim.kinematics.dynamics import GRAVITY, inverse_dynamics, merge
+from gcodesim.kinematics.dynamics import GRAVITY, efforts_of, inverse_dynamics, merge
 
 if TYPE_CHECKING:
     from gcodesim.motion.tool_path import ToolPath
@@ -112,31 +112,32 @@ class Loads:
         self, tool: NDArray[np.int64], q: Array, *motions: tuple[Array | float, Array | float]
     ) -> tuple[Array, ...]:
         """Efforts (n, j) with `tool` (n,) on the flange at q (n, j), for each of several `motions` (qd, qdd)."""
-        out = np.empty((len(q), len(motions), q.shape[1]))
-        rates, changes = (
-            np.stack([np.broadcast_to(values, q.shape) for values in kind], axis=1)
-            for kind in zip(*motions, strict=True)
-        )
-        for number in distinct(tool).tolist():
+        rates, changes = (np.empty((len(motions), *q.shape)) for _ in range(2))
+        for m, (qd, qdd) in enumerate(motions):
+            rates[m], changes[m] = qd, qdd
+        numbers = distinct(tool).tolist()
+        if len(numbers) == 1:
+            return tuple(self._efforts_with(numbers[0], q, rates, changes))
+        out = np.empty(rates.shape)
+        for number in numbers:
             here = tool == number
-            # motions through one place stand together: the kernel works out its frames once
-            at = np.repeat(q[here], len(motions), axis=0)
-            qd, qdd = rates[here].reshape(at.shape), changes[here].reshape(at.shape)
-            push = self.pushes.get(number)
-            found = inverse_dynamics(
-                self.chain,
-                at,
-                qd,
-                qdd,
-                self.tools.get(number),
-                None if push is None else self._wrench(push, at),
-                p_FT=np.zeros(3) if push is None else push.X_FT.p,
-                gravity=self.gravity,
-            )
-            if self.motors is not None:
-                found = found + self.motors.rotor * qdd
-            out[here] = found.reshape(-1, *out.shape[1:])
-        return tuple(np.ascontiguousarray(out[:, m]) for m in range(len(motions)))
+            out[:, here] = self._efforts_with(number, q[here], rates[:, here], changes[:, here])
+        return tuple(out)
+
+    def _efforts_with(self, number: int, q: Array, qd: Array, qdd: Array) -> Array:
+        """Efforts (m, n, j) with one tool at q (n, j), for m motions qd, qdd (m, n, j)."""
+        push = self.pushes.get(number)
+        found = efforts_of(
+            self.chain,
+            q,
+            np.ascontiguousarray(qd),
+            np.ascontiguousarray(qdd),
+            self.tools.get(number),
+            None if push is None else self._wrench(push, q),
+            p_FT=np.zeros(3) if push is None else push.X_FT.p,
+            gravity=self.gravity,
+        )
+        return found if self.motors is None else found + self.motors.rotor * qdd
 
     def reserve(self, tool: NDArray[np.int64], q: Array, qd: Array, feeding: NDArray[np.bool_]) -> Array:
         """Efforts (n, j) needed besides, in either direction: for friction, and where `feeding` (n,) for the work.
