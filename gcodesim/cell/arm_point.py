@@ -9,6 +9,7 @@ import numpy as np
 from gcodesim import canon
 from gcodesim.canon.systems import name_of_system
 from gcodesim.cell.externals import columns_of
+from gcodesim.frames import Array
 from gcodesim.frozen import frozen
 from gcodesim.kinematics.attitude import AttitudeLaw, Direction, WordTurns
 
@@ -75,6 +76,9 @@ class ArmPoint:
 
     def carried(self, vector: canon.Point, before: canon.Axes, now: canon.Axes) -> canon.Point | None:
         return None  # what a positioner carries goes along with it anyway
+
+    def words_of(self, directions: Array) -> Array | None:
+        return Direction.values(directions) if isinstance(self.law, Direction) else None
 
     def attitudes(self, direction: canon.Point, axes: canon.Axes) -> list[canon.Axes]:
         if isinstance(self.law, Direction):

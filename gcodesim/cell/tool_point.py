@@ -55,6 +55,9 @@ class MachinePoint:
         within = [self.tool.within_travel(way, near) for way in ways]
         return [self._axes(way, axes) for way in within if way is not None]
 
+    def words_of(self, directions: Array) -> Array | None:
+        return None  # the nearer of two ways
+
     def carried(self, vector: canon.Point, before: canon.Axes, now: canon.Axes) -> canon.Point | None:
         path = self.tool.kinematics.chain.tree.path
         if path[self.tool.rotary].all():  # all of them turn the tool

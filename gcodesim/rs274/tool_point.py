@@ -9,6 +9,9 @@ from gcodesim.rs274.state import AXES, Vector
 from gcodesim.units import DEG
 
 if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
     from gcodesim.rs274.control import Control
 
 
@@ -45,6 +48,13 @@ class ToolPointLaw(Protocol):
         """Axes turned so that the tool points from its tip along `direction`, as `in_system` says.
 
         At most two ways, each within the travel and as near to `axes` as it can be; the linear axes stay.
+        """
+        ...
+
+    def words_of(self, directions: NDArray[np.float64]) -> NDArray[np.float64] | None:
+        """Words a, b, c (n, 3) [rad] of `attitudes` for many directions (n, 3).
+
+        None where they depend on where the axes stand, or tip and axes are farther apart than by the offset.
         """
         ...
 

@@ -17,12 +17,13 @@ from gcodesim.rs274.fanuc.execute import execute
 from gcodesim.rs274.fanuc.expressions import number_of, value_of
 from gcodesim.rs274.fanuc.flow import FanucFlow, ModalCall
 from gcodesim.rs274.fanuc.increments import in_increments, rounded
+from gcodesim.rs274.fanuc.lanes import FanucLanes
 from gcodesim.rs274.fanuc.program import FanucFile, sequence_of
 from gcodesim.rs274.fanuc.vectors import BY_VECTOR
 from gcodesim.rs274.fault import Fault
 from gcodesim.rs274.flow import Stopped
 from gcodesim.rs274.program_file import ProgramFile
-from gcodesim.rs274.run import Executor
+from gcodesim.rs274.run import Executor, Run
 from gcodesim.rs274.tool_point import CENTRE_POINT
 from gcodesim.rs274.words import AXIS_LETTERS, Words, read_words
 
@@ -40,6 +41,11 @@ class FanucExecutor(Executor):
     file: FanucFile
     control: FanucControl
     flow: FanucFlow
+
+    def __init__(self, run: Run) -> None:
+        super().__init__(run)
+        if type(self) is FanucExecutor:  # a lathe reads otherwise
+            self.lanes = FanucLanes(self)  # type: ignore[assignment]
 
     def _parts(self, source: SourceText) -> tuple[FanucFile, FanucControl, FanucFlow]:
         file = self.file_class(source, self.reader)
