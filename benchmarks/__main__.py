@@ -12,6 +12,7 @@ NAMES = (
     "editor",
     "inverse_kinematics",
     "time_law",
+    "planning",
     "removal",
     "surface",
     "fine",
