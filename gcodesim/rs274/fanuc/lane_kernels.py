@@ -76,7 +76,7 @@ def read_words(text: Column, at: int, stop: int, state: StraightState) -> int:
         letter = byte_at(text, at) - 65
         if letter >= 32:
             letter -= 32
-        known = letter <= _C or letter == _F or letter == _G or _I <= letter <= _K or _X <= letter <= _Z
+        known = letter <= _C or letter in (_F, _G) or _I <= letter <= _K or _X <= letter <= _Z
         if letter < 0 or letter >= LETTERS or not known or has[letter]:
             return 0
         begin, sign = at + 1, 1.0

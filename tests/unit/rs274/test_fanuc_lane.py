@@ -14,15 +14,15 @@ LINES = (
     "X5. C-7.25\nx6. y7.\nN70X8.Y9.\nX+1.5\nX2 Y3\n"
 )
 OTHERS = (
-    "G2 X20. Y9. R8.\nG1 X21. (note)\nG91 X1.\nX1.\nG90\n/X3.\nX[1.+2.]\n#100=5.\nX#100\nG4 P100\nX4. X5.\nM8\nX1. M9\nG20\n"
-    "X1. Y.12345\nG21\nG93 X2. F60.\nG94 F100.\nX3.\nQ5. X2.\nI1. X2.\nG1\nF200.\n\nN90\nG92 X0. A5.\nX1. A6.\nG52 Y3.\n"
-    "Y4.\nG68 X0. Y0. R30.\nX5.\nG69\nX6.\nG51 P2.\nX7.\nG50\nX8.\nG16\nX9. Y10.\nG15\nF0 X1.\n"
+    "G2 X20. Y9. R8.\nG1 X21. (note)\nG91 X1.\nX1.\nG90\n/X3.\nX[1.+2.]\n#100=5.\nX#100\nG4 P100\nX4. X5.\nM8\nX1. M9\n"
+    "G20\nX1. Y.12345\nG21\nG93 X2. F60.\nG94 F100.\nX3.\nQ5. X2.\nI1. X2.\nG1\nF200.\n\nN90\nG92 X0. A5.\nX1. A6.\n"
+    "G52 Y3.\nY4.\nG68 X0. Y0. R30.\nX5.\nG69\nX6.\nG51 P2.\nX7.\nG50\nX8.\nG16\nX9. Y10.\nG15\nF0 X1.\n"
 )
 END = "G0 Z60.\nM5\nM30\n%\n"
 SLIPS = "G43.5 H1\nX5. A3.\nX6. I0. J0. K0.\nX7. I1.\nG49\nX8.\n"
 VECTORS = (
-    "G43.5 H1\nG0 X1. Y2. Z30. I0. J0. K1.\nG1 X1.5 I.1 J-.2 K.97 F900.\nI.11 J-.21 K.96\nX2.\nX3. K1.\nY2.00049 I.5 K2\n"
-    "N10 X4. J.123456 K.9\nG2 X7. R8.\nG1 X8. I.2 K1.\nG92 A1.\nX9. I.3 K1.\nX10. J.2 K1.\n"
+    "G43.5 H1\nG0 X1. Y2. Z30. I0. J0. K1.\nG1 X1.5 I.1 J-.2 K.97 F900.\nI.11 J-.21 K.96\nX2.\nX3. K1.\n"
+    "Y2.00049 I.5 K2\nN10 X4. J.123456 K.9\nG2 X7. R8.\nG1 X8. I.2 K1.\nG92 A1.\nX9. I.3 K1.\nX10. J.2 K1.\n"
     "G49\nX1.\nG43.4 H1\nX2. A3.\nA4.\nG49\n"
 )
 
