@@ -37,11 +37,11 @@ class Status(IntEnum):
 class Reason:
     """Why a pose has its status: `what` in words, `value` against `limit` in `unit`, the joint at fault or None.
 
-    Out of reach without `what`: the numbers say nothing.
+    `what` is None where a pose is out of reach and no single number says why.
     """
 
     status: Status
-    what: str
+    what: str | None
     value: float
     limit: float
     unit: str

@@ -94,7 +94,7 @@ class SerialArm(Machine):
     def _out_of_reach(self, X_BF: Array) -> Reason:
         """Distance of the flange from the first joint that it turns about, against the sum of the link lengths.
 
-        Within that sum it says nothing, and `what` is empty.
+        Within that sum it says nothing, and `what` is None.
         """
         tree = self.chain.tree
         on = np.flatnonzero(tree.path)
@@ -104,5 +104,5 @@ class SerialArm(Machine):
         limit = float(sum(norm(b - a) for a, b in pairwise(points)))
         limit += sum(float(self.joints.upper[i] - self.joints.lower[i]) for i in on if tree.prismatic[i])
         distance = norm(poses(X_BF)[0, :3, 3] - points[0])
-        what = f"flange distance from {self.joints.names[int(on[0])]}" if distance > limit else ""
+        what = f"flange distance from {self.joints.names[int(on[0])]}" if distance > limit else None
         return Reason(status=Status.REACH, what=what, value=distance, limit=limit, unit="m")

@@ -87,9 +87,9 @@ def report_poses(
                 span=pieces.path.span(row),
                 hint=f"{part}; {shift}" if part else shift,
                 count=blocks,
-                value=reason.value if reason.what else None,
-                limit=reason.limit if reason.what else None,
-                unit=reason.unit if reason.what else None,
+                value=None if reason.what is None else reason.value,
+                limit=None if reason.what is None else reason.limit,
+                unit=None if reason.what is None else reason.unit,
             )
         )
 
@@ -98,7 +98,7 @@ def why(kinematics: Kinematics, reason: Reason) -> str:
     """The facts behind a status in words."""
     unit, factor = ("mm", MM) if reason.unit == "m" else ("deg", DEG)
     value, limit = reason.value / factor, reason.limit / factor
-    if reason.status == 1 and not reason.what:
+    if reason.what is None:
         return f"out of reach: no position of the joints holds the tool so at this place{_too_few(kinematics.joints)}"
     if reason.status == 1:
         side = "at most" if reason.value > reason.limit else "at least"
