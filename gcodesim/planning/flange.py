@@ -71,8 +71,8 @@ class Flange:
     @cached_property
     def _holding(self) -> Holding:
         axes = np.zeros((0, 3, 3)) if self.guide is None else self.guide.axes
-        tables = (np.require(table, np.float64, ["C", "W"]) for table in (self.R_BO, axes, self.offset))
-        return Holding(*tables, tool_rotation(self.spin))
+        R_BO, axes, offset = (np.require(table, np.float64, ["C", "W"]) for table in (self.R_BO, axes, self.offset))
+        return Holding(R_BO, axes, offset, tool_rotation(self.spin))
 
     def at(self, piece: NDArray[np.int64], s: Array) -> Array:
         """X_BF (k, 4, 4) at places `s` (k,) of `piece` (k,)."""

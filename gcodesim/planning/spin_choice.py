@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -28,6 +29,7 @@ POSES: Final = 240  # at which a candidate is tried
 CHAINS: Final = 40  # of poses between joint moves that are tried
 COMFORT: Final = 0.25  # [rad] from the nearest joint limit beyond which more is no better
 REGULAR: Final = 0.03  # least singular value of the Jacobian, lengths in half metres, beyond which more is no better
+_AT_ONCE: Final = 48  # poses at which what the arm hits is asked together
 _SHARP: Final = 0.1  # share of poses that may be slower than the limits used for rounding corners
 
 
@@ -119,7 +121,10 @@ def choose_spin(
     """
     best: tuple[tuple[float, float, int], float, dict[int, Array], Array] | None = None
     for order, angle in enumerate(candidates(near, SPINS) if spin is None else np.array([spin])):
-        q, bad, seeds = _try(kinematics, probe, home, float(angle), around)
+        tried = _try(kinematics, probe, home, float(angle), around, math.inf if best is None else best[0][0])
+        if tried is None:
+            continue
+        q, bad, seeds = tried
         margin = round(_margin(kinematics, q), 6)
         score = (bad, -margin, order)
         if best is None or score < best[0]:
@@ -131,31 +136,48 @@ def choose_spin(
 
 
 def _try(
-    kinematics: Kinematics, probe: SampledPath, home: Array, spin: float, around: Around | None
-) -> tuple[Array, int, dict[int, Array]]:
-    """Joints (k, j) at the poses of `probe`, how many are bad, and seeds that had to be searched."""
+    kinematics: Kinematics, probe: SampledPath, home: Array, spin: float, around: Around | None, most: float
+) -> tuple[Array, int, dict[int, Array]] | None:
+    """Joints (k, j) at the poses of `probe`, how many are bad, and seeds that had to be searched.
+
+    None where more than `most` are bad: then nobody looks for how many.
+    """
     X = probe.poses(spin)
     q = np.empty((len(X), len(home)))
     seeds: dict[int, Array] = {}
     bad, previous = 0, home
-
-    def tried(a: int, b: int, seed: Array) -> tuple[Array, int]:
-        found, status = kinematics.inverse(X[a:b], seed)
-        wrong = status != 0
-        if around is not None:
-            wrong |= around.hit(found, np.arange(a, b))
-        return found, int(np.count_nonzero(wrong))
-
     for number, (a, b) in zip(probe.number, probe.chains, strict=True):
-        q[a:b], faults = tried(a, b, previous)
+        poses, allowed = np.arange(a, b), most - bad
+        q[a:b], faults = _from(kinematics, X, poses, previous, around, allowed + 1)
         if faults:
             for branch in kinematics.branches(X[a]):
-                turned, count = tried(a, b, branch)
+                turned, count = _from(kinematics, X, poses, branch, around, min(faults, allowed + 1))
                 if count < faults:
                     faults, q[a:b], seeds[number] = count, turned, branch
+        if faults > allowed:
+            return None
         bad += faults
         previous = q[b - 1]
     return q, bad, seeds
+
+
+def _from(
+    kinematics: Kinematics, X: Array, poses: NDArray[np.intp], seed: Array, around: Around | None, enough: float
+) -> tuple[Array, int]:
+    """Joints (k, j) at some `poses` (k,) of X, going on from `seed` (j,), and how many are bad; counted up to `enough`.
+
+    What the arm hits takes far longer to find than its joints, so it is asked last, and only of poses that are good.
+    """
+    found, status = kinematics.inverse(X[poses], seed)
+    good = np.flatnonzero(status == 0)
+    count = len(poses) - len(good)
+    for at in range(0, len(good) if around is not None else 0, _AT_ONCE):
+        if count >= enough:
+            break
+        some = good[at : at + _AT_ONCE]
+        assert around is not None
+        count += int(np.count_nonzero(around.hit(np.ascontiguousarray(found[some]), poses[some])))
+    return found, count
 
 
 def _margin(kinematics: Kinematics, q: Array) -> float:

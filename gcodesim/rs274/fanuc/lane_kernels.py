@@ -123,7 +123,7 @@ def sequence_at(text: Column, at: int, stop: int, modes: Column) -> int:
 def go(state: StraightState, finer: bool, values: Column) -> int:
     """Carry out the words of a line, with the row of its move in `values`: the motion, or −1 where it is left."""
     numbers, modes, words, has = state
-    motion = modes[MOTION]
+    motion: int = modes[MOTION]
     if has[_G]:
         if words[_G] != 0.0 and words[_G] != 1.0:
             return -1
