@@ -13,7 +13,6 @@ from typing import Final
 
 from gcodesim.compiled import Kernel
 from gcodesim.compiled.arguments import Arguments, of_text
-from gcodesim.compiled.folder import folders
 from gcodesim.compiled.object_code import is_kept
 
 LIST: Final = Path(__file__).with_name("known_kernels.txt")
@@ -62,8 +61,3 @@ def _is_missing(signature: str) -> bool:
         return not is_kept(*kernel_of(signature))
     except ValueError:
         return False
-
-
-def nothing_is_kept() -> bool:
-    """Whether the cache has no code for this version at all."""
-    return not any(name.endswith(".kernel") for folder in folders() for name in folder.names())

@@ -283,21 +283,14 @@ class LogWriter:
 
     def stock_tile(self, t_ns: int, index: int, meshes: Sequence[DrawnMesh], frame: str = "stock") -> None:
         """All of one tile of the part: original and cut surface as meshes of one colour each."""
-        self._tile("stock", t_ns, index, meshes, frame)
-
-    def added_tile(self, t_ns: int, index: int, meshes: Sequence[DrawnMesh], frame: str = "stock") -> None:
-        """All added material of one tile."""
-        self._tile("added", t_ns, index, meshes, frame)
+        shown = tuple(mesh for mesh in meshes if len(mesh.triangles))
+        entity = Entity(id=f"stock/{index:02d}", frame=self._frame(frame), shapes=shown)
+        self._add_one(tile_topic("stock", index), t_ns, entities_update(t_ns, [entity] if shown else []))
 
     def film(self, t_ns: int, index: int, name: str, meshes: Sequence[DrawnMesh], frame: str) -> None:
         """All of one film, as the entity `name`; it has the topic of an added tile."""
         entity = Entity(id=name, frame=self._frame(frame), shapes=tuple(meshes))
         self._add_one(tile_topic("added", index), t_ns, entities_update(t_ns, [entity]))
-
-    def _tile(self, family: str, t_ns: int, index: int, meshes: Sequence[DrawnMesh], frame: str) -> None:
-        shown = tuple(mesh for mesh in meshes if len(mesh.triangles))
-        entity = Entity(id=f"{family}/{index:02d}", frame=self._frame(frame), shapes=shown)
-        self._add_one(tile_topic(family, index), t_ns, entities_update(t_ns, [entity] if shown else []))
 
     def sensed(self, t_ns: int, topic: str, data: bytes) -> None:
         """What a sensor has read at `t_ns`, as a message of one of the `sensor_topics`."""

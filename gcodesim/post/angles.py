@@ -8,7 +8,7 @@ import numpy as np
 
 from gcodesim.arithmetic.elementary import atan2, hypot
 from gcodesim.arithmetic.matrices import norm
-from gcodesim.frames import Array, canonical_quaternion, quaternion_from_rotation, rotation_from_rpy
+from gcodesim.frames import Array, canonical_quaternion, quaternion_from_rotation
 from gcodesim.units import DEG
 
 _NOISE: Final = 1e-10  # of a component
@@ -30,11 +30,6 @@ def rpy_of(R: Array) -> tuple[float, float, float]:
         pitch / DEG,
         atan2(float(R[1, 0]), float(R[0, 0])) / DEG,
     )
-
-
-def rotation_of_rpy(roll: float, pitch: float, yaw: float) -> Array:
-    """The rotation (3, 3) of such angles [deg]."""
-    return rotation_from_rpy(roll * DEG, pitch * DEG, yaw * DEG)
 
 
 def rotation_vector(R: Array) -> tuple[float, float, float]:

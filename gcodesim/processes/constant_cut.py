@@ -384,11 +384,6 @@ def handbook_pressure(law: Kienzle, diameter: float, cut: ConstantCut) -> tuple[
     return h, law.specific_force(h)
 
 
-def kienzle_pressure(kc11: float, mc: float, chip: float) -> float:
-    """kc [Pa] at chip thickness `chip` [m]: kc11 (h / 1 mm)**-mc with `kc11` [Pa]."""
-    return Kienzle(kc11=kc11, mc=mc, kn11=0.0, mn=mc, ka11=0.0, ma=mc).specific_force(chip)
-
-
 def chip_force(law: Law, *, width: float, chip: float) -> tuple[float, float, float]:
     """Tangential, normal and axial force [N] on one edge `width` [m] wide at chip thickness `chip` [m].
 

@@ -14,7 +14,6 @@ from gcodesim.processes.constant_cut import (
     end_mill_forces,
     handbook_power,
     instantaneous_forces,
-    kienzle_pressure,
     mean_chip_thickness,
     plunge_forces,
 )
@@ -55,7 +54,7 @@ def computed(case):
     inputs = case["inputs"]
     law = law_of(inputs["material"])
     if case["model"] == "kienzle":
-        kc = kienzle_pressure(law.kc11, law.mc, inputs["h_mm"] * MM)
+        kc = law.specific_force(inputs["h_mm"] * MM)
         fc, _, _ = chip_force(law, width=inputs["b_mm"] * MM, chip=inputs["h_mm"] * MM)
         return {"kc_N_mm2": kc / N_PER_MM2, "Fc_N": fc}
     tool = mill(inputs["tool"]["diameter_mm"], inputs["tool"]["teeth"], inputs["tool"]["helix_deg"])

@@ -16,7 +16,6 @@ from typing import NamedTuple
 from gcodesim.arithmetic.scalars import cos_sin
 from gcodesim.frozen import frozen
 from gcodesim.rs274 import tool_point
-from gcodesim.rs274.dialects.linuxcnc import NON_MODAL
 from gcodesim.rs274.fanuc import fixture
 from gcodesim.rs274.fanuc.control import FanucControl
 from gcodesim.rs274.fault import Fault
@@ -135,10 +134,6 @@ def _turn(control: FanucControl, law: tool_point.ToolPointLaw, direction: tuple[
     a, b, c = (angle / DEG for angle in tool_point.nearest(ways, here, tilting)[3:])
     goal: Vector = (*axes[:3], a, b, c, *axes[6:])
     control.rapid(control.point_of(subtract(goal, control.length)), "G53.1")
-
-
-def is_turn(words: Words) -> bool:
-    return words.g.get(NON_MODAL) == 531
 
 
 # -- the forms

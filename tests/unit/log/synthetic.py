@@ -135,7 +135,7 @@ def change_messages(log, until_ns):
     """All change messages of the made-up run up to its end, in no order."""
     lines = PROGRAM.decode().splitlines()
     for index in range(2):
-        log.added_tile(0, index, tile(0.02 * index, 0.0))
+        log.film(0, index, f"added/{index:02d}", tile(0.02 * index, 0.0), "stock")
     log.event(750 * MS, "GS602", "rapid through material", severity="error", file="part.nc", line=3, value=0.003)
     log.event(500 * MS, "toolchange", "T1 in the spindle", file="part.nc", line=2)
     log.tool(500 * MS, [DrawnSolid(solid=SHANK), DrawnSolid(solid=POINT)])
