@@ -8,6 +8,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.arithmetic.elementary import atan2
 from gcodesim.arithmetic.matrices import applied, inverse_pose, multiplied
 from gcodesim.executor.part_run import PartRun, PartsTarget
 from gcodesim.executor.stint import Stint, compliance_seen_from, is_near
@@ -110,6 +111,20 @@ class Chords:
         np.add.at(velocity, self.step, (self.stop - self.start) / dt[self.step, None])
         return velocity
 
+    def turn(self, span: StepSpan) -> Callable[[float], Array] | None:
+        """`Window.turn` of a span; None where the target moves, too."""
+        if len(self.R_SB) != 1:
+            return None
+
+        def turn(onward: float) -> Array:
+            first, second, way = (part[span.here] for part in span.steps.bends(onward))
+            first, second = applied(self.R_SB, first), applied(self.R_SB, second)
+            across = first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]
+            angle = atan2(across, first[:, 0] * second[:, 0] + first[:, 1] * second[:, 1])
+            return angle / np.where(way > 0.0, way, 1.0)
+
+        return turn
+
     def rapid(self, rows: RowColumns, count: int) -> Flags:
         """Which of `count` steps are rapid: those of which every piece is."""
         rapid = np.ones(count, dtype=bool)
@@ -190,6 +205,7 @@ class StintMaker:
             side=applied(chords.R_SB, steps.tip[here, :3, 0]),
             where=_places(where, X_BS),
             compliance=self._compliance(task, span, chords.R_SB),
+            turn=chords.turn(span),
         )
         return Stint(
             task=task,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Final
 
@@ -9,9 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.arithmetic.distinct import distinct
+from gcodesim.arithmetic.matrices import norms
 from gcodesim.executor.tasks import RowColumns
 from gcodesim.frames import Array
 from gcodesim.frozen import frozen
+from gcodesim.motion.course import Bend
 
 if TYPE_CHECKING:
     from gcodesim.motion.trajectory import Rates, Samples
@@ -23,6 +26,9 @@ LONGEST_CHORD: Final = 0.25e-3
 """Greatest length [m] of a piece in a feed: on a radius of 2 mm it leaves the arc by 4 um."""
 
 MOST_PARTS: Final = 64  # of one step
+
+STILL: Final = 1.0e-6
+"""[m] by which the tip may move against the control point while the tool does not turn."""
 
 
 @dataclass(slots=True, kw_only=True, eq=False)
@@ -83,6 +89,8 @@ class StepWindow:
     `piece_share` (m, 2) of the step, in row `piece_row` (m,), with
     `piece_filament` (m,) [m] through the nozzle (None: no E words). `others` are the commanded joints (n, j) of further
     movers by name, where several programs run at once, and `others_begin` (j,) those before the first step.
+    `bends(onward)` tells how the path goes on for `onward` [m] from where each step begins, in B; its directions are
+    NaN in a step in which the tip goes another way than the control point, since the tool turns.
     """
 
     ticks: Ints
@@ -104,6 +112,7 @@ class StepWindow:
     others: dict[str, Array] = field(default_factory=dict)
     others_begin: dict[str, Array] = field(default_factory=dict)
     command: AskedTicks | None = None
+    bends: Callable[[float], Bend]
 
     @property
     def first(self) -> int:
@@ -198,10 +207,22 @@ def window_of(plan: Plan, rows: RowColumns, ticks: Ints, dt_ns: int, carry: Carr
         piece_share=share,
         piece_row=np.clip(trajectory.rows_at(centre), 0, last),
         piece_filament=trajectory.filament_between(at_knots),
+        bends=_bends(plan, at_knots.at(np.searchsorted(knot_time, times[:-1])), norms(gap - gap_before) > STILL),
         command=command_of(plan, ticks, dt_ns) if asked and ticks[-1] - ticks[0] != count else None,
     )
     carry.tool, carry.shift, carry.gap, carry.tip, carry.q = int(tool[-1]), shift[-1], gap[-1], tip[-1], q[-1]
     return window
+
+
+def _bends(plan: Plan, begins: Samples, turned: NDArray[np.bool_]) -> Callable[[float], Bend]:
+    """`StepWindow.bends` of steps that begin with samples (n,); `turned` (n,) tells where the tool turns."""
+    unknown = np.where(turned, np.nan, 0.0)[:, None]
+
+    def bends(onward: float) -> Bend:
+        first, second, way = plan.trajectory.course.bends(begins.piece, begins.s, onward)
+        return Bend(first + unknown, second + unknown, way)
+
+    return bends
 
 
 def _named_by(samples: Samples | Rates, last: int) -> Ints:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from gcodesim.canon import Event, ToolChange
 from gcodesim.frames import Array
 from gcodesim.frozen import frozen
+from gcodesim.motion.course import Course
 from gcodesim.motion.filament import Filament
 from gcodesim.motion.pieces import Pieces
 from gcodesim.motion.tool_path import HOME, RAPID, ToolPath
@@ -251,6 +252,11 @@ class Trajectory:
     def _pieces_or_rest(self) -> Pieces:
         """The pieces; for a path that only waits, one piece at its start."""
         return self.pieces if len(self.pieces) else self.pieces.resting()
+
+    @cached_property
+    def course(self) -> Course:
+        """Which way its path goes."""
+        return Course(self._pieces_or_rest)
 
     def _nothing(self, t: Array) -> Samples:
         n = len(t)

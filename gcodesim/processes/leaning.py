@@ -79,6 +79,7 @@ def part_of(motion: Motion, a: int, b: int) -> Motion:
         first_piece=motion.first_piece[a : b + 1] - first,
         axis=motion.axis[a:b],
         velocity=motion.velocity[a:b],
+        turn=motion.turn[a:b],
         spindle=motion.spindle[a:b],
         rapid=motion.rapid[a:b],
         compliance=motion.compliance[a:b],

@@ -180,6 +180,7 @@ def in_frame(motion: Motion, frame: Array) -> Motion:
         ends=np.ascontiguousarray(applied(back, motion.ends)),
         axis=np.tile([0.0, 0.0, 1.0], (len(motion.spindle), 1)),
         velocity=np.ascontiguousarray(applied(back, motion.velocity)),
+        turn=np.full(len(motion.spindle), np.nan),
         compliance=np.ascontiguousarray(compliance),
     )
 

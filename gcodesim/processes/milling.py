@@ -67,6 +67,15 @@ SLACK: Final = 10.0 * UM
 COARSE: Final = 0.5
 """Of a cell: such a layer where the machine bends, or the tool leans and walls have no known place."""
 
+TURN_AHEAD: Final = 3.0
+"""[cells] of way ahead whose direction tells how much it turns: contact is looked for one to two cells ahead."""
+
+SHARPEST_TURN: Final = 0.5
+"""[rad] by which an arc may turn along these: a sharper one is not much larger than a cell."""
+
+LEAST_TURN: Final = 0.5
+"""[1/m] that counts."""
+
 UPRIGHT: Final = 1.0 - 1.0e-9
 """Share of an axis along Z from which on a tool stands upright."""
 
@@ -166,15 +175,15 @@ class Milling(Process):
         if stock is None:
             return ProcessStep.free(window.steps)
         turns = Turns.of(window)
-        out = self.run_parts(stock, self._motion_of(window, turns), Leaning.of(window, turns), state)
+        out = self.run_parts(stock, self._motion_of(window, turns, stock.cell), Leaning.of(window, turns), state)
         done = self._step_of(of_steps(out, turns), stock, window)
         if window.steps:
             felt_in(state.values)[:] = done.wrench[-1]
         return done
 
-    def _motion_of(self, window: Window, turns: Turns) -> Motion:
+    def _motion_of(self, window: Window, turns: Turns, cell: float) -> Motion:
         """The motion as the kernel takes it; a tool that bends gives way besides the machine."""
-        motion = packed_motion(window, turns)
+        motion = packed_motion(window, turns, cell)
         if self.cutter.substrate is None:
             return motion
         bends = tool_compliance(self.cutter, motion.axis)
@@ -412,8 +421,22 @@ def of_steps(parts: Array, turns: Turns) -> Array:
     return out
 
 
-def packed_motion(window: Window, turns: Turns) -> Motion:
-    """The motion of a window as the kernel takes it: a copy, so that how its arrays lie does not matter."""
+def turn_ahead(window: Window, cell: float) -> Array:
+    """How much the way turns to the left (n,) [1/m] where material is looked for; NaN where that is not known."""
+    if window.turn is None:
+        return np.full(window.steps, np.nan)
+    onward = TURN_AHEAD * cell
+    turn = window.turn(onward)
+    none = (np.abs(turn) * onward > SHARPEST_TURN) | (np.abs(turn) < LEAST_TURN)
+    kept: Array = np.where(none, 0.0, turn)
+    return kept
+
+
+def packed_motion(window: Window, turns: Turns, cell: float) -> Motion:
+    """The motion of a window as the kernel takes it: a copy, so that how its arrays lie does not matter.
+
+    cell [m]: width of the cells in which it cuts.
+    """
     from gcodesim.processes.milling_kernels import Motion
 
     step = turns.step
@@ -423,6 +446,7 @@ def packed_motion(window: Window, turns: Turns) -> Motion:
         first_piece=turns.first_piece,
         axis=np.array(window.axis[step], dtype=float, order="C"),
         velocity=turns.velocity,
+        turn=turn_ahead(window, cell)[step],
         spindle=np.array(window.signals[SPINDLE.name][step], dtype=float),
         rapid=np.array(window.rapid[step], dtype=np.bool_),
         compliance=np.zeros((0, 3, 6))

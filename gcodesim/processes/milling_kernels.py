@@ -137,6 +137,7 @@ class Motion(NamedTuple):
     first_piece: Indices  # (n + 1,)
     axis: Array  # (n, 3) from tip to holder
     velocity: Array  # (n, 3) [m/s]
+    turn: Array  # (n,) to the left [1/m], see `Heading`; NaN where it has to be followed
     spindle: Array  # (n,) [rad/s], positive M3
     rapid: Flags  # (n,)
     compliance: Array  # (n or 0, 3, 6) translation of the tip
@@ -551,7 +552,10 @@ def feel(
     before, after, spindle, rapid = way.before, way.after, motion.spindle[k], motion.rapid[k]
     old_x, old_y = state.feed[0], state.feed[1]
     speed, level, climb = point_feed(motion, k, state)
-    follow_turn(before, old_x, old_y, coarsest(field), state)
+    if np.isnan(motion.turn[k]):
+        follow_turn(before, old_x, old_y, coarsest(field), state)
+    else:
+        state.turn[TURN], state.turn[KNOWN] = motion.turn[k], 0.0
     used, ratio, chip, length = 0, 1.0, 0.0, 0.0
     turning_in = spindle > 0.0 and not rapid and min(before[2], after[2]) < top
     if speed <= LEAST_SPEED:

@@ -35,7 +35,7 @@ class MillingLoop:
     def __init__(self, process: Milling, stock: Stock, window: Window, state: ProcessState) -> None:
         self._process, self._stock, self._window, self._state = process, stock, window, state
         self._turns = Turns.of(window)
-        self._motion = process._motion_of(window, self._turns)
+        self._motion = process._motion_of(window, self._turns, stock.cell)
         self._leaning = Leaning.of(window, self._turns)
         self._last = np.append(self._turns.first[1:], len(self._turns.step))
         self._springs = np.zeros((window.steps, 3))

@@ -37,7 +37,7 @@ class MillingShape(Milling):
         own = {"stopped_cut": np.where(spindle == 0.0, fed, 0.0), "reversed_cut": np.where(spindle < 0.0, fed, 0.0)}
         return replace(done, columns={**done.columns, **own})
 
-    def _motion_of(self, window: Window, turns: Turns) -> Motion:
+    def _motion_of(self, window: Window, turns: Turns, cell: float) -> Motion:
         """In rapids no tool feels anything, so that the kernel does not look for it."""
-        motion = super()._motion_of(window, turns)
+        motion = super()._motion_of(window, turns, cell)
         return motion._replace(rapid=np.ones(len(motion.rapid), dtype=np.bool_), compliance=np.zeros((0, 3, 6)))

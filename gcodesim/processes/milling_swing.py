@@ -34,7 +34,7 @@ def milled_swinging(
     plain = process.cutter.substrate is None and not len(tool.slabs) and stock.columns_along == 1
     if not plain or Leaning.of(window, turns).parts.any():
         return None
-    motion = packed_motion(window, turns)
+    motion = packed_motion(window, turns, stock.cell)
     motion = motion._replace(velocity=motion.velocity.copy())
     share = np.tile([0.0, 1.0], (len(motion.starts), 1)) if window.piece_share is None else window.piece_share
     parts = SwingParts(

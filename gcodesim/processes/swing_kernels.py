@@ -258,7 +258,7 @@ def cut_part(
     a, b, here = motion.first_piece[part], motion.first_piece[part + 1], slice(part, part + 1)
     alone = Motion(
         motion.starts[a:b], motion.ends[a:b], np.array([0, b - a]), motion.axis[here], motion.velocity[here],
-        motion.spindle[here], motion.rapid[here], motion.compliance[:0],
+        motion.turn[here], motion.spindle[here], motion.rapid[here], motion.compliance[:0],
     )  # fmt: skip
     return mill_steps(field, tool, alone, bench, way, spare, state, out[here]) == 1
 

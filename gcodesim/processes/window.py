@@ -34,7 +34,9 @@ class Window:
 
     dt [s] of one step, (n,) where steps are stretches of path of different length, which only a process meets that acts
     `by_path`; filament (c,) [m]: what
-    E words of a printer's program send through the nozzle along each piece, None where there are none. For what acts
+    E words of a printer's program send through the nozzle along each piece, None where there are none. `turn(onward)` tells how
+    much the way turns to the left about Z of S (n,) [1/m] in the next `onward` [m] from the beginning of each step, or
+    up to a corner; NaN where that is not known, None if it is known nowhere. For what acts
     on parts, pose (n, 4, 4) is the tip X_ST at the end of each step, pose_before (4, 4) at the beginning of the first.
     """
 
@@ -54,6 +56,7 @@ class Window:
     where: Callable[[str], Array] | None = None
     pose: Array | None = None
     pose_before: Array | None = None
+    turn: Callable[[float], Array] | None = None
 
     @property
     def steps(self) -> int:
@@ -70,7 +73,7 @@ class Window:
     def part(self, begin: int, end: int) -> Window:
         """Steps `begin` to `end`, as a window of their own."""
         first, last = np.searchsorted(self.piece_step, [begin, end])
-        pieces, steps, where = slice(first, last), slice(begin, end), self.where
+        pieces, steps, where, turn = slice(first, last), slice(begin, end), self.where, self.turn
         ends = {
             name: None if value is None else value[steps]
             for name, value in (
@@ -94,6 +97,7 @@ class Window:
             signals={name: values[steps] for name, values in self.signals.items()},
             dt=self.dt[steps] if isinstance(self.dt, np.ndarray) else self.dt,
             where=None if where is None else lambda frame: where(frame)[steps],
+            turn=None if turn is None else lambda onward: turn(onward)[steps],
             pose_before=before,
             **ends,
         )

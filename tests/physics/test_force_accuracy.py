@@ -49,11 +49,25 @@ def cut(stock, cutter, law, corners) -> tuple[np.ndarray, ProcessStep]:
         rapid=np.zeros(len(ways), dtype=bool),
         signals={"spindle": np.full(len(ways), OMEGA), "active": np.zeros(len(ways), dtype=bool)},
         dt=4e-3,
+        turn=turn_of(ways),
     )
     process = Milling(cutter=cutter, law=law)
     state = process.begin()
     state.values[2] = FREE  # it stands in the cut that it has made
     return at, process.run(stock, window, state)
+
+
+def turn_of(ways):
+    """`Window.turn` of steps along ways (n, 3) [m] without corners."""
+    ends, headings = np.cumsum(np.linalg.norm(ways, axis=1)), np.unwrap(np.arctan2(ways[:, 1], ways[:, 0]))
+    begins = np.concatenate([[0.0], ends[:-1]])
+
+    def turn(onward):
+        first = np.searchsorted(ends, np.minimum(begins, ends[-1] - onward), side="right")
+        last = np.minimum(np.searchsorted(ends, begins[first] + onward, side="right"), len(ends) - 1)
+        return (headings[last] - headings[first]) / (begins[last] - begins[first])
+
+    return turn
 
 
 def placed(points, angle=0.3, off=(0.13e-3, 0.21e-3)):

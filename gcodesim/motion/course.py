@@ -1,0 +1,62 @@
+"""`Course`: which way a path goes around where the machine is, and a little further along it."""
+
+from __future__ import annotations
+
+from typing import Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gcodesim.arithmetic.matrices import dots, norms
+from gcodesim.frames import Array
+from gcodesim.motion.pieces import Pieces
+
+CORNER: Final = 0.97
+"""Cosine of the angle between two directions from which on they are one way."""
+
+
+class Bend(NamedTuple):
+    """Unit vectors (n, 3) along a path at two places, and the way (n,) [m] from the first to the second."""
+
+    first: Array
+    second: Array
+    way: Array
+
+
+class Course:
+    """The directions of `pieces` by the way along all of them, in axes of the path."""
+
+    def __init__(self, pieces: Pieces) -> None:
+        self._pieces = pieces
+        every = np.arange(len(pieces))
+        _, along = pieces.points(every, 0.5 * pieces.length)
+        self._rate = norms(along[:, :3])  # of way by s: s is a time in some pieces, and an angle in others
+        self._end = np.cumsum(pieces.length * self._rate)
+        starts, ends = self._towards(every, np.zeros(len(pieces))), self._towards(every, pieces.length)
+        inner = self._end[:-1][dots(ends[:-1], starts[1:]) < CORNER]
+        self._corners = np.concatenate([[0.0], inner, self._end[-1:]])
+
+    def bends(self, piece: NDArray[np.int64], s: Array, onward: float) -> Bend:
+        """How the path goes on from the places `s` (n,) of pieces `piece` (n,) for `onward` [m], or up to a corner.
+
+        Close to a corner the first place is before it, half of `onward` from the corner; a corner behind it stays
+        behind. The directions of a piece in which only rotary axes turn are zeros.
+        """
+        way = self._end[piece] - (self._pieces.length[piece] - s) * self._rate[piece]
+        following = np.searchsorted(self._corners, way, side="right")
+        first, last = self._corners[following - 1], self._corners[np.minimum(following, len(self._corners) - 1)]
+        end = np.minimum(way + onward, last)
+        begin = np.maximum(np.minimum(way, end - 0.5 * onward), first)
+        return Bend(self._at(begin, "right"), self._at(end, "left"), end - begin)
+
+    def _at(self, way: Array, side: str) -> Array:
+        """Directions (n, 3) at ways (n,) [m] along the path; where two pieces meet, of that on the `side`."""
+        found = np.searchsorted(self._end, way, side="right" if side == "right" else "left")
+        piece = np.minimum(found, len(self._end) - 1)
+        rest = np.maximum(self._end[piece] - way, 0.0) / np.where(self._rate[piece] > 0.0, self._rate[piece], 1.0)
+        return self._towards(piece, np.maximum(self._pieces.length[piece] - rest, 0.0))
+
+    def _towards(self, piece: NDArray[np.int64], s: Array) -> Array:
+        _, along = self._pieces.points(piece, s)
+        sizes = norms(along[:, :3])
+        return along[:, :3] / np.where(sizes > 0.0, sizes, 1.0)[:, None]
