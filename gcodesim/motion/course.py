@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Final, NamedTuple
+from typing import Final, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +13,9 @@ from gcodesim.motion.pieces import Pieces
 
 CORNER: Final = 0.97
 """Cosine of the angle between two directions from which on they are one way."""
+
+CORNER_ARC: Final = 0.5
+"""Of the way that is looked ahead: an arc that is shorter rounds a corner."""
 
 
 class Bend(NamedTuple):
@@ -33,8 +36,10 @@ class Course:
         self._rate = norms(along[:, :3])  # of way by s: s is a time in some pieces, and an angle in others
         self._end = np.cumsum(pieces.length * self._rate)
         starts, ends = self._towards(every, np.zeros(len(pieces))), self._towards(every, pieces.length)
-        inner = self._end[:-1][dots(ends[:-1], starts[1:]) < CORNER]
-        self._corners = np.concatenate([[0.0], inner, self._end[-1:]])
+        self._breaks = dots(ends[:-1], starts[1:]) < CORNER  # from a piece to the next
+        self._turns = dots(starts, ends) < CORNER
+        self._way = pieces.length * self._rate
+        self._corners: dict[float, Array] = {}
 
     def bends(self, piece: NDArray[np.int64], s: Array, onward: float) -> Bend:
         """How the path goes on from the places `s` (n,) of pieces `piece` (n,) for `onward` [m], or up to a corner.
@@ -43,15 +48,25 @@ class Course:
         behind. The directions of a piece in which only rotary axes turn are zeros.
         """
         way = self._end[piece] - (self._pieces.length[piece] - s) * self._rate[piece]
-        following = np.searchsorted(self._corners, way, side="right")
-        first, last = self._corners[following - 1], self._corners[np.minimum(following, len(self._corners) - 1)]
+        corners = self._corners_in(onward)
+        following = np.clip(np.searchsorted(corners, way, side="right"), 1, len(corners) - 1)
+        first, last = corners[following - 1], corners[following]
         end = np.minimum(way + onward, last)
         begin = np.maximum(np.minimum(way, end - 0.5 * onward), first)
         return Bend(self._at(begin, "right"), self._at(end, "left"), end - begin)
 
-    def _at(self, way: Array, side: str) -> Array:
+    def _corners_in(self, onward: float) -> Array:
+        """Ways (m,) [m] of the corners for one who looks so far: where directions part, and both ends of small arcs."""
+        if onward not in self._corners:
+            rounded = self._turns & (self._way < CORNER_ARC * onward)
+            ends = rounded.copy()
+            ends[:-1] |= self._breaks | rounded[1:]
+            self._corners[onward] = np.concatenate([[0.0], self._end[:-1][ends[:-1]], self._end[-1:]])
+        return self._corners[onward]
+
+    def _at(self, way: Array, side: Literal["left", "right"]) -> Array:
         """Directions (n, 3) at ways (n,) [m] along the path; where two pieces meet, of that on the `side`."""
-        found = np.searchsorted(self._end, way, side="right" if side == "right" else "left")
+        found = np.searchsorted(self._end, way, side=side)
         piece = np.minimum(found, len(self._end) - 1)
         rest = np.maximum(self._end[piece] - way, 0.0) / np.where(self._rate[piece] > 0.0, self._rate[piece], 1.0)
         return self._towards(piece, np.maximum(self._pieces.length[piece] - rest, 0.0))

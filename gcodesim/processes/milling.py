@@ -70,8 +70,14 @@ COARSE: Final = 0.5
 TURN_AHEAD: Final = 3.0
 """[cells] of way ahead whose direction tells how much it turns: contact is looked for one to two cells ahead."""
 
-SHARPEST_TURN: Final = 0.5
-"""[rad] by which an arc may turn along these: a sharper one is not much larger than a cell."""
+SHARP_TURN: Final = 0.5
+"""[rad] along these from which on a turn is sharp: its arc is not much larger than a cell."""
+
+SHARPEST_TURN: Final = 1.5
+"""[rad] along these from which on an arc is smaller than what is looked at."""
+
+SAME_TURN: Final = 0.1
+"""Share by which a sharp turn may change along twice that way."""
 
 LEAST_TURN: Final = 0.5
 """[1/m] that counts."""
@@ -422,13 +428,20 @@ def of_steps(parts: Array, turns: Turns) -> Array:
 
 
 def turn_ahead(window: Window, cell: float) -> Array:
-    """How much the way turns to the left (n,) [1/m] where material is looked for; NaN where that is not known."""
+    """How much the way turns to the left (n,) [1/m] where material is looked for; NaN where that is not known.
+
+    A sharp turn that ends soon is none: what is looked at lies behind it.
+    """
     if window.turn is None:
         return np.full(window.steps, np.nan)
     onward = TURN_AHEAD * cell
     turn = window.turn(onward)
-    none = (np.abs(turn) * onward > SHARPEST_TURN) | (np.abs(turn) < LEAST_TURN)
-    kept: Array = np.where(none, 0.0, turn)
+    turn = np.where(np.abs(turn) * onward > SHARPEST_TURN, 0.0, turn)
+    sharp = np.abs(turn) * onward > SHARP_TURN
+    if sharp.any():
+        later = window.turn(2.0 * onward)
+        turn = np.where(sharp & (np.abs(later - turn) > SAME_TURN * np.abs(turn)), 0.0, turn)
+    kept: Array = np.where(np.abs(turn) < LEAST_TURN, 0.0, turn)
     return kept
 
 

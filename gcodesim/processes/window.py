@@ -33,11 +33,11 @@ class Window:
     (n, 4, 4) of any frame of the scene at the ends of the steps, seen from S, also of one that another machine moves.
 
     dt [s] of one step, (n,) where steps are stretches of path of different length, which only a process meets that acts
-    `by_path`; filament (c,) [m]: what
-    E words of a printer's program send through the nozzle along each piece, None where there are none. `turn(onward)` tells how
-    much the way turns to the left about Z of S (n,) [1/m] in the next `onward` [m] from the beginning of each step, or
-    up to a corner; NaN where that is not known, None if it is known nowhere. For what acts
-    on parts, pose (n, 4, 4) is the tip X_ST at the end of each step, pose_before (4, 4) at the beginning of the first.
+    `by_path`; filament (c,) [m]: what E words of a printer's program send through the nozzle along each piece, None
+    where there are none. `turn(onward)` tells how much the way turns to the left about Z of S (n,) [1/m] in the next
+    `onward` [m] from the beginning of each step, or up to a corner; NaN where that is not known, None if it is known
+    nowhere. For what acts on parts, pose (n, 4, 4) is the tip X_ST at the end of each step, pose_before (4, 4) at the
+    beginning of the first.
     """
 
     piece_start: Array

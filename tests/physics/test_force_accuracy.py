@@ -191,6 +191,35 @@ def test_a_cut_along_an_arc_is_felt(kind, width):
     assert peak == pytest.approx(1.0, abs=0.09)
 
 
+def pocket_corner(radius, wide, inner):
+    """A way (n, 3) [m] along the walls of a pocket's corner, with an arc in it, and an earlier one so `wide` inside."""
+
+    def around(off, r):
+        t = np.linspace(-0.5 * np.pi, 0.0, max(2, int(0.5 * np.pi * r / 40e-6)))
+        turn = np.stack([-off - r + r * np.cos(t), off + r + r * np.sin(t)], axis=1)
+        flat = np.concatenate([[[-14e-3, off]], turn, [[-off, 14e-3]]])
+        return placed(np.column_stack([flat, np.full(len(flat), -4e-3)]))
+
+    return around(0.0, radius), around(wide, inner)
+
+
+@pytest.mark.parametrize(("radius", "wide"), [(3e-3, 2e-3), (6e-3, 2e-3), (2e-3, 1e-3)])
+def test_a_line_behind_an_arc_is_felt(radius, wide):
+    """It was felt as if the way went on turning: half of the force, or nothing at all behind an arc of 2 mm."""
+    way, earlier = pocket_corner(radius, wide, max(radius - wide, 1e-3))
+    cutter, stock = mill("flat_end_mill"), block()
+    cut(stock, cutter, None, earlier)
+    at, found = cut(stock, cutter, STEEL, way)
+    passed = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(at, axis=0), axis=1))])
+    behind = int(np.searchsorted(passed, passed[-1] - np.linalg.norm(way[-1] - way[-2]) + 0.4e-3))
+    heading = (at[behind + 1] - at[behind]) / np.linalg.norm(at[behind + 1] - at[behind])
+    own = Pass(cutter, np.concatenate([way[:1], at[behind - 100 : behind + 1]]))
+    wanted = loads(cutter, STEEL, CHIP, at[behind], heading, [Pass(cutter, earlier), own], angles=720, count=16)
+
+    assert np.linalg.norm(found.wrench[behind, :3]) == pytest.approx(wanted.size, rel=0.02)
+    assert found["peak_force"][behind] == pytest.approx(wanted.peak_force, rel=0.05)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(40))
 def test_drawn_cuts(seed):
