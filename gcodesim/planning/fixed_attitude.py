@@ -361,7 +361,8 @@ class FixedAttitude:
         dense = simple[0] if len(simple[0]) > len(nodes) else nodes
         if not dense.chains:
             return flange, simple, choice, ToldEnd()
-        will_do, hit = self._will_do(kinematics, flange, *simple), self._hit(flange, *simple)
+        will_do = self._will_do(kinematics, flange, *simple)
+        hit = self._hit(flange, *simple) if will_do else None
         blocked: DeadEnd | None = None
         for obstacles in dict.fromkeys((self.obstacles, None)):
             if obstacles is None and will_do:
@@ -380,7 +381,7 @@ class FixedAttitude:
                 clear = obstacles is None or self._hit(turning, *solved) is None
                 if self._will_do(kinematics, turning, *solved) and clear:
                     if blocked is None:
-                        report_route(flange, route.turning, solved[0], hit if will_do else None, findings)
+                        report_route(flange, route.turning, solved[0], hit, findings)
                     else:
                         report_dead_end(kinematics, straight, dense, blocked, findings)
                     return turning, solved, found, ToldEnd()

@@ -184,6 +184,8 @@ class Loads:
         rows = np.arange(len(static))
         share, joint, most = np.ones(len(static)), np.full(len(static), -1), np.zeros(len(static))
         for efforts in moved:
+            if not (np.abs(efforts) > limit).any():
+                continue
             change = efforts - static
             room = np.where(change >= 0.0, limit - static, limit + static)
             with np.errstate(divide="ignore", invalid="ignore"):
