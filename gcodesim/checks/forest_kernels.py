@@ -72,11 +72,12 @@ def ball_around(at: Array, size: Array, members: Ints, low: Array, high: Array) 
 
 
 @kernel(short=True)
-def plant(at: Array, size: Array, columns: Array, many: Ints, forest: Forest, root: Ints) -> None:
+def plant(at: Array, size: Array, sides: Array, columns: Array, many: Ints, forest: Forest, root: Ints) -> None:
     """Fill `forest` with a tree for each of some bodies, the next `many` (b,) balls each, and `root` (b,).
 
-    Balls have their middles `at` (k, 3), once more as `columns` (3, k), and radii `size` (k,). A tree of k leaves has
-    2 k - 1 nodes; a node stands before its parts, the left one first.
+    Balls have their middles `at` (k, 3), once more as `columns` (3, k), and radii `size` (k,); what is in them is also
+    in boxes about the same middles with half sides `sides` (k, 3). A tree of k leaves has 2 k - 1 nodes; a node stands
+    before its parts, the left one first.
     """
     count = size.shape[0]
     order = np.arange(count)
@@ -94,13 +95,13 @@ def plant(at: Array, size: Array, columns: Array, many: Ints, forest: Forest, ro
             if end - begin == 1:
                 leaf = order[begin]
                 for c in range(3):
-                    forest.centre[node, c] = at[leaf, c]
+                    forest.centre[node, c], forest.half[node, c] = at[leaf, c], sides[leaf, c]
                 forest.radius[node], forest.convex[node] = size[leaf], leaf
                 forest.left[node], forest.right[node] = -1, -1
                 continue
             radius, longest = ball_around(at, size, order[begin:end], low, high)
             for c in range(3):
-                forest.centre[node, c] = 0.5 * (low[c] + high[c])
+                forest.centre[node, c], forest.half[node, c] = 0.5 * (low[c] + high[c]), 0.5 * (high[c] - low[c])
             sort_along(columns[longest], order, begin, end, spare)
             half = (end - begin) // 2
             left, right = node + 1, node + 2 * half

@@ -50,11 +50,14 @@ LEAST_SHARE = 0.05  # of such a stretch, up to which the place of the least gap 
 class Forest(NamedTuple):
     """Bodies as trees of balls: node i has its ball at `centre` (n, 3) with `radius` (n,) in the frame of its carrier.
 
-    `left`, `right` are its parts; a leaf has -1 there and its convex body in `convex`.
+    All of it is also in a box about the same centre along the axes of that frame, with half sides `half` (n, 3): plates
+    and beams fill little of their balls. `left`, `right` are its parts; a leaf has -1 there and its convex body in
+    `convex`.
     """
 
     centre: Array
     radius: Array
+    half: Array
     left: Ints
     right: Ints
     convex: Ints
@@ -76,6 +79,7 @@ class Walk(NamedTuple):
 
     Of a pair below the level, `ended` (p,) is its gap [m] at the end of the stretch that was `last`, inf if nobody has
     looked there; `sinks` (p,) says that it is the least so far, found there without a look at what lies just before.
+    `way` (3,) is from the middle of one node to that of another.
     """
 
     alive: Ints
@@ -90,6 +94,7 @@ class Walk(NamedTuple):
     ended: Array
     sinks: Ints
     best: Array
+    way: Array
 
 
 def walk_room(pairs: int, joints: int, deepest: int) -> Walk:
@@ -107,12 +112,32 @@ def walk_room(pairs: int, joints: int, deepest: int) -> Walk:
         np.zeros(pairs),
         np.zeros(pairs, dtype=np.int64),
         np.zeros(1),
+        np.zeros(3),
     )
 
 
 @kernel
-def next_leaves(top: int, limit: float, forest: Forest, nodes: Ints, Xa: Array, Xb: Array) -> int:
-    """Go on to two leaves whose balls are nearer than `limit`: they are on top of `nodes` then; -1: no more."""
+def beside_box(half: Array, i: int, X: Array, way: Array, far: float) -> bool:
+    """Whether a point is farther than `far` [m] from the box of node i, whose carrier stands at `X`.
+
+    `way` (3,) leads from the middle of the one to the other, either way, in the world.
+    """
+    if far < 0.0:
+        return False
+    square = 0.0
+    for k in range(3):
+        d = abs(X[0, k] * way[0] + X[1, k] * way[1] + X[2, k] * way[2]) - half[i, k]
+        if d > 0.0:
+            square += d * d
+    return square > far * far
+
+
+@kernel
+def next_leaves(top: int, limit: float, forest: Forest, nodes: Ints, Xa: Array, Xb: Array, way: Array) -> int:
+    """Go on to two leaves whose balls and boxes are nearer than `limit`: they are on top of `nodes` then; -1: no more.
+
+    `way` (3,) is room to work in.
+    """
     centre, radius, left = forest.centre, forest.radius, forest.left
     while top >= 0:
         i, j = nodes[top, 0], nodes[top, 1]
@@ -121,9 +146,17 @@ def next_leaves(top: int, limit: float, forest: Forest, nodes: Ints, Xa: Array, 
             d = Xa[c, 3] - Xb[c, 3]
             for k in range(3):
                 d += Xa[c, k] * centre[i, k] - Xb[c, k] * centre[j, k]
+            way[c] = d
             square += d * d
         far = limit + radius[i] + radius[j]
         if far < 0.0 or square > far * far:
+            top -= 1
+            continue
+        if radius[i] >= radius[j]:
+            is_far = beside_box(forest.half, i, Xa, way, limit + radius[j])
+        else:
+            is_far = beside_box(forest.half, j, Xb, way, limit + radius[i])
+        if is_far:
             top -= 1
             continue
         if left[i] < 0 and left[j] < 0:
@@ -148,7 +181,7 @@ def come_near(
     top = 0
     near = False
     while True:
-        top = next_leaves(top, limit, forest, nodes, walk.Xa, walk.Xb)
+        top = next_leaves(top, limit, forest, nodes, walk.Xa, walk.Xb, walk.way)
         if top < 0:
             return near
         a, b = forest.convex[nodes[top, 0]], forest.convex[nodes[top, 1]]
@@ -210,7 +243,7 @@ def least_gap(
     window = WINDOW + max(level, 0.0)
     while True:
         # no two bodies are nearer than the balls around them, so parts farther apart than the least gap do not count
-        top = next_leaves(top, min(window, least), forest, nodes, room.Xa, room.Xb)
+        top = next_leaves(top, min(window, least), forest, nodes, room.Xa, room.Xb, walk.way)
         if top < 0:
             return least
         a, b = forest.convex[nodes[top, 0]], forest.convex[nodes[top, 1]]
@@ -247,7 +280,7 @@ def couples_within(
     nodes[0, 0], nodes[0, 1] = pair[0], pair[1]
     top, count = 0, 0
     while count < most:
-        top = next_leaves(top, limit, forest, nodes, walk.Xa, walk.Xb)
+        top = next_leaves(top, limit, forest, nodes, walk.Xa, walk.Xb, walk.way)
         if top < 0:
             return count
         a, b = forest.convex[nodes[top, 0]], forest.convex[nodes[top, 1]]
@@ -289,7 +322,7 @@ def first_on(
         nodes[0, 0], nodes[0, 1] = pair[0], pair[1]
         top = 0 if count > 0 else -1
         while True:
-            top = next_leaves(top, limit, forest, nodes, walk.Xa, walk.Xb)
+            top = next_leaves(top, limit, forest, nodes, walk.Xa, walk.Xb, walk.way)
             if top < 0:
                 break
             a, b = forest.convex[nodes[top, 0]], forest.convex[nodes[top, 1]]
@@ -364,7 +397,7 @@ def deepest_of(
     nodes[0, 0], nodes[0, 1] = pair[0], pair[1]
     top, deepest = 0, math.inf
     while True:
-        top = next_leaves(top, limit, forest, nodes, walk.Xa, walk.Xb)
+        top = next_leaves(top, limit, forest, nodes, walk.Xa, walk.Xb, walk.way)
         if top < 0:
             return deepest
         a, b = forest.convex[nodes[top, 0]], forest.convex[nodes[top, 1]]

@@ -92,6 +92,17 @@ def balls_of(bodies: Convexes) -> tuple[Array, Array]:
     return np.where(is_round[:, None], origin + middle[:, None] * bodies.axis, origin), radius
 
 
+def sides_of(bodies: Convexes, centre: Array) -> Array:
+    """Half sides (k, 3) of boxes around convex bodies along the axes of their frame, about `centre` (k, 3)."""
+    at = np.repeat(np.arange(len(bodies.first)), bodies.many)
+    axis, points = bodies.axis[at], bodies.points
+    spread = points[:, :1] * np.sqrt(np.maximum(1.0 - axis * axis, 0.0))
+    on_axis = np.abs(bodies.origin[at] + points[:, 1:2] * axis - centre[at]) + spread
+    away = np.where((bodies.round == 1)[at, None], on_axis, np.abs(points - centre[at]))
+    sides: Array = np.maximum.reduceat(away, bodies.first, axis=0) + bodies.grown[:, None]
+    return sides
+
+
 def bounds_of(bodies: Convexes, X: Pose) -> tuple[Array, Array]:
     """Least and greatest corner of all of some convex bodies whose frame stands at `X`."""
     at = np.repeat(np.arange(len(bodies.first)), bodies.many)
@@ -156,6 +167,11 @@ class RigidBody:
     def balls(self) -> tuple[Array, Array]:
         """Centres (k, 3) and radii (k,) of balls around its convex bodies."""
         return balls_of(self.convexes)
+
+    @cached_property
+    def sides(self) -> Array:
+        """Half sides (k, 3) of boxes about the same centres."""
+        return sides_of(self.convexes, self.balls[0])
 
     @cached_property
     def dents(self) -> tuple[DentedMesh, ...]:
@@ -238,21 +254,22 @@ class Woods:
     def of(bodies: Sequence[RigidBody]) -> Woods:
         """Trees of bodies, each of which has at least one solid."""
         many = np.array([len(body.convexes.first) for body in bodies], dtype=np.int64)
-        forest, root = _forest_of([body.balls for body in bodies], many)
+        forest, root = _forest_of(bodies, many)
         far = norms(forest.centre[root]) + forest.radius[root]
         deepest = (int(many.max()) - 1).bit_length() + 1  # halves of halves
         owner = np.repeat(np.arange(len(bodies)), many)
         return Woods(_joined([body.convexes for body in bodies]), forest, root, deepest, far, owner)
 
 
-def _forest_of(balls: Sequence[tuple[Array, Array]], many: NDArray[np.int64]) -> tuple[Forest, NDArray[np.int64]]:
+def _forest_of(bodies: Sequence[RigidBody], many: NDArray[np.int64]) -> tuple[Forest, NDArray[np.int64]]:
     """A tree over the balls of each body, of which it has `many` (b,), and the root (b,) of each."""
     from gcodesim.checks.forest_kernels import plant
 
-    at, size = (np.concatenate(column) for column in zip(*balls, strict=True))
+    at, size = (np.concatenate(column) for column in zip(*(body.balls for body in bodies), strict=True))
+    sides = np.concatenate([body.sides for body in bodies])
     nodes = int((2 * many - 1).sum())
     links = [np.zeros(nodes, dtype=np.int64) for _ in range(3)]
-    forest = Forest(np.zeros((nodes, 3)), np.zeros(nodes), *links)
+    forest = Forest(np.zeros((nodes, 3)), np.zeros(nodes), np.zeros((nodes, 3)), *links)
     root = np.zeros(len(many), dtype=np.int64)
-    plant(at, size, np.ascontiguousarray(at.T), many, forest, root)
+    plant(at, size, sides, np.ascontiguousarray(at.T), many, forest, root)
     return forest, root

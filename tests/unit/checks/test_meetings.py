@@ -7,7 +7,7 @@ import pytest
 import trimesh
 
 from gcodesim.checks.meetings import JointWay, Meeting, MovingBodies
-from gcodesim.checks.rigid import RigidBody, is_closed, is_convex, is_within
+from gcodesim.checks.rigid import RigidBody, Woods, is_closed, is_convex, is_within
 from gcodesim.frames import Pose, rotation_about
 from gcodesim.kinematics.chain import Tree
 from gcodesim.solids import Box, Cone, Cylinder, Mesh, Placed, Revolution, Solid, Sphere, Triangles, triangles_of
@@ -227,3 +227,25 @@ def test_bodies_of_thousands_of_triangles_pass_close_by_or_meet_where_their_ball
     (meeting,) = meetings(-2e-3)
     ahead = math.sqrt((2.0 * radius) ** 2 - (2.0 * radius - 2e-3) ** 2)
     assert meeting.share * 0.3 == pytest.approx(0.15 - ahead, abs=1.5e-3)  # facets lie up to 0.2 mm within the balls
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_balls_and_boxes_of_a_tree_hold_its_bodies(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    solids: list[Solid] = [
+        Box.about_origin((2.0, 0.1, 0.3)),
+        Cylinder(radius=0.05, bottom=-1.0, top=0.3),
+        Sphere(radius=0.2),
+        Mesh(source=triangles_of(Cylinder(radius=0.3, bottom=0.0, top=1.0))),
+    ]
+    placed = tuple(Placed(solid, Pose.from_xyz_rpy(rng.random(3), rng.random(3))) for solid in solids)
+    forest = Woods.of([RigidBody(name="body", solids=placed)]).forest
+    points = np.concatenate([each.X.apply(triangles_of(each.solid).points) for each in placed])
+    away = points - forest.centre[0]
+    assert (np.sqrt((away**2).sum(axis=1)) <= forest.radius[0] + 1e-12).all()
+    assert (np.abs(away) <= forest.half[0] + 1e-12).all()
+    leaves = np.flatnonzero(forest.left < 0)
+    near = np.abs(points[:, None] - forest.centre[leaves]) <= forest.half[leaves] + 1e-12
+    assert near.all(axis=2).any(axis=1).all()  # each point is in the box of some leaf
+    tight = np.array([np.abs(each.X.apply(triangles_of(each.solid).points)).max() for each in placed])
+    assert forest.half[leaves].max() <= tight.max()
