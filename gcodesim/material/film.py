@@ -10,14 +10,14 @@ import numpy as np
 from gcodesim.arithmetic.matrices import dots, norms
 from gcodesim.frames import Array
 from gcodesim.frozen import frozen
-from gcodesim.material.film_kernels import FIGURES, Coat, CoatRoom, lay
+from gcodesim.material.film_kernels import FIGURES, TOGETHER, Coat, CoatRoom, lay
 from gcodesim.material.film_kernels import Dabs as Dabs
 from gcodesim.material.film_kernels import Pattern as Pattern
 from gcodesim.material.film_kernels import Shades as Shades
 from gcodesim.material.refining import refined
 from gcodesim.solids.mesh_file import Triangles
 from gcodesim.solids.ray_kernels import horizons
-from gcodesim.solids.triangle_tree import tree_of
+from gcodesim.solids.triangle_tree import tree_of, wider
 
 MOST_FACES: Final = 2_000_000
 """Faces of one body: some 300 MB."""
@@ -62,12 +62,15 @@ class BodyFilm:
         n = len(twice)
         middle = np.ascontiguousarray(corners.corner + (corners.along + corners.across) / 3.0)
         normal = np.ascontiguousarray(across / twice[:, None])
+        places, normals = np.ascontiguousarray(middle.T), np.ascontiguousarray(normal.T)
         horizon = np.zeros(n)
         horizons(tree.boxes, corners, middle, normal, _RISE * size, horizon)
-        self.coat = Coat(tree.boxes, middle, normal, 0.5 * twice, horizon, np.zeros(n), np.zeros(n), np.zeros(n))
+        boxes = wider(tree, TOGETHER)
+        self.coat = Coat(boxes, places, normals, 0.5 * twice, horizon, np.zeros(n), np.zeros(n), np.zeros(n))
         self.size = size
         self._directions: Array = np.zeros((0, 3))
-        self._face, self._share = np.zeros(n, dtype=np.int64), np.zeros(n)
+        self._faces, self._told = np.zeros((2, n), dtype=np.int64), np.zeros((3, n))
+        self._box = np.zeros((5, TOGETHER))
 
     def __len__(self) -> int:
         return len(self.faces)
@@ -85,7 +88,10 @@ class BodyFilm:
     def lay(self, pattern: Pattern, dabs: Dabs, shades: Shades) -> Array:
         """Lay the film of some dabs, in order; what became of them (k, FIGURES), see `film_kernels`."""
         told: Array = np.zeros((len(dabs.solids), FIGURES))
-        room = CoatRoom(self._face, self._share, np.zeros(len(shades.ball), dtype=np.int64), np.zeros((2, 3)))
+        within = np.zeros(len(shades.ball), dtype=np.int64)
+        face, low = self._faces
+        share, towards, distance = self._told
+        room = CoatRoom(face, low, share, towards, distance, self._box, within, np.zeros((2, 3)))
         lay(self.coat, pattern, dabs, shades, room, told)
         self._remember(dabs.axis)
         return told

@@ -32,24 +32,38 @@ from too near, and the same from too far."""
 SKIN = 1e-5
 """[m] What is nearer to a face than this does not shade it: the face itself, and what lies on it."""
 
+TOGETHER = 32
+"""Faces of one box of a coat, at the most."""
+
 _FRONT = 1e-6  # m before the nozzle from which on there is spray
 
 
 class Coat(NamedTuple):
-    """n faces in the order of their tree: middle, normal (n, 3), area (n,) [m²], film [m] and its greatest steepness.
+    """n faces in the order of their tree: `places` of their middles [m] and `normals` (3, n), area (n,) [m²], film [m].
 
-    `horizon`: sine of the elevation over the face that no part of the body exceeds. `dry` is the film, `wet` what
-    it was when it was laid; `steep` is the greatest squared sine of the angle to the horizontal at which it was laid.
+    Boxes hold at most `TOGETHER` faces, which are looked at together. `horizon`: sine of the elevation over the face
+    that no part of the body exceeds. `dry` is the film, `wet` what it was when it was laid; `steep` is the greatest
+    squared sine of the angle to the horizontal at which it was laid.
     """
 
     boxes: Boxes
-    middle: Array
-    normal: Array
+    places: Array
+    normals: Array
     area: Array
     horizon: Array
     dry: Array
     wet: Array
     steep: Array
+
+    @property
+    def middle(self) -> Array:
+        """Middles (n, 3) [m]."""
+        return self.places.T
+
+    @property
+    def normal(self) -> Array:
+        """Normals (n, 3)."""
+        return self.normals.T
 
 
 class Pattern(NamedTuple):
@@ -100,10 +114,20 @@ class Shades(NamedTuple):
 
 
 class CoatRoom(NamedTuple):
-    """Room to work in: faces (n,) that a cone meets with their shares (n,), bodies in it (b,), a ray (2, 3)."""
+    """Room to work in: faces (n,) that a cone meets, of each what it gets of the spray and how the gun stands to it.
+
+    `share` (n,) is what it gets, `towards` (n,) [m] how high the gun stands over its plane and `distance` (n,) [m] how
+    far away; `low` (n,) are those of them that the body itself may shade. `box` (5, TOGETHER) has, of the faces of one
+    box, `towards`, how far they are ahead of the gun, where in the pattern, `distance`, and how much higher the gun
+    stands over them than anything of the body. With them the bodies in the cone (b,), and a ray (2, 3).
+    """
 
     face: Ints
+    low: Ints
     share: Array
+    towards: Array
+    distance: Array
+    box: Array
     within: Ints
     ray: Array
 
@@ -114,13 +138,13 @@ def lay(coat: Coat, pattern: Pattern, dabs: Dabs, shades: Shades, room: CoatRoom
     for k in range(len(dabs.solids)):
         for figure in range(FIGURES):
             told[k, figure] = 0.0
-        count = _aimed(coat, pattern, dabs, k, room)
+        count, low, total = _aimed(coat, pattern, dabs, k, room)
         if count == 0:
             continue
-        _shade(coat, pattern, dabs, k, shades, count, room)
-        total = 0.0
-        for i in range(count):
-            total += room.share[i]
+        if _shade(coat, pattern, dabs, k, shades, (count, low), room):
+            total = 0.0
+            for i in range(count):
+                total += room.share[i]
         # a gun so near that single faces fill its cone: they get no more than there is
         _add(coat, pattern, dabs, k, count, room, 1.0 if total <= 1.0 else 1.0 / total, told)
 
@@ -137,16 +161,14 @@ def _outside(x: float, y: float, z: float, radius: float, dabs: Dabs, k: int, sp
 
 
 @kernel(lean=True)
-def _aimed(coat: Coat, pattern: Pattern, dabs: Dabs, k: int, room: CoatRoom) -> int:
-    """The faces that dab k would reach if nothing stood between; returns how many."""
+def _aimed(coat: Coat, pattern: Pattern, dabs: Dabs, k: int, room: CoatRoom) -> tuple[int, int, float]:
+    """The faces that dab k would reach if nothing stood between.
+
+    Returns how many, of how many of them the gun does not stand higher than all of the body, and the sum of the shares.
+    """
     spread = pattern.reach * max(pattern.wide, pattern.tall)
-    px, py, pz = dabs.place[k, 0], dabs.place[k, 1], dabs.place[k, 2]
-    dx, dy, dz = dabs.axis[k, 0], dabs.axis[k, 1], dabs.axis[k, 2]
-    sx, sy, sz = dabs.side[k, 0], dabs.side[k, 1], dabs.side[k, 2]
-    ox, oy, oz = dy * sz - dz * sy, dz * sx - dx * sz, dx * sy - dy * sx
-    steps = (len(pattern.density) - 1) / pattern.reach
     box = coat.boxes.box
-    count = 0
+    count, low, total = 0, 0, 0.0
     node = 0
     while node < len(box):
         hx = 0.5 * (box[node, 3] - box[node, 0])
@@ -156,31 +178,73 @@ def _aimed(coat: Coat, pattern: Pattern, dabs: Dabs, k: int, room: CoatRoom) -> 
         if _outside(box[node, 0] + hx, box[node, 1] + hy, box[node, 2] + hz, radius, dabs, k, spread):
             node = coat.boxes.skip[node]
             continue
-        for i in range(coat.boxes.begin[node], coat.boxes.end[node]):
-            x, y, z = coat.middle[i, 0] - px, coat.middle[i, 1] - py, coat.middle[i, 2] - pz
-            towards = -(x * coat.normal[i, 0] + y * coat.normal[i, 1] + z * coat.normal[i, 2])
-            ahead = x * dx + y * dy + z * dz
-            if towards <= 0.0 or ahead < _FRONT:
-                continue
-            u = (x * sx + y * sy + z * sz) / (ahead * pattern.wide)
-            v = (x * ox + y * oy + z * oz) / (ahead * pattern.tall)
-            at = math.sqrt(u * u + v * v) * steps
-            low = int(at)
-            if low >= len(pattern.density) - 1:
-                continue
-            density = pattern.density[low] + (at - low) * (pattern.density[low + 1] - pattern.density[low])
-            if density <= 0.0:
-                continue
-            room.face[count] = i
-            room.share[count] = density * towards * coat.area[i] / (pattern.wide * pattern.tall * ahead * ahead * ahead)
-            count += 1
+        begin, end = coat.boxes.begin[node], coat.boxes.end[node]
+        if begin < end:
+            _look(coat, pattern, dabs, k, begin, end, room.box)
+            count, low, total = _chosen(coat, pattern, begin, end, room, (count, low, total))
         node += 1
-    return count
+    return count, low, total
 
 
 @kernel(lean=True)
-def _shade(coat: Coat, pattern: Pattern, dabs: Dabs, k: int, shades: Shades, count: int, room: CoatRoom) -> None:
-    """Take the share of each face that the gun does not see."""
+def _look(coat: Coat, pattern: Pattern, dabs: Dabs, k: int, begin: int, end: int, seen: Array) -> None:
+    """How the gun of dab k stands to the faces from `begin` to `end`; see `CoatRoom.box`."""
+    px, py, pz = dabs.place[k, 0], dabs.place[k, 1], dabs.place[k, 2]
+    dx, dy, dz = dabs.axis[k, 0], dabs.axis[k, 1], dabs.axis[k, 2]
+    sx, sy, sz = dabs.side[k, 0], dabs.side[k, 1], dabs.side[k, 2]
+    ox, oy, oz = dy * sz - dz * sy, dz * sx - dx * sz, dx * sy - dy * sx
+    wide, tall, steps = pattern.wide, pattern.tall, (len(pattern.density) - 1) / pattern.reach
+    xs, ys, zs = coat.places[0, begin:end], coat.places[1, begin:end], coat.places[2, begin:end]
+    nxs, nys, nzs = coat.normals[0, begin:end], coat.normals[1, begin:end], coat.normals[2, begin:end]
+    horizons = coat.horizon[begin:end]
+    towards, ahead, at, distance, over = seen[0], seen[1], seen[2], seen[3], seen[4]
+    for i in range(len(xs)):
+        x, y, z = xs[i] - px, ys[i] - py, zs[i] - pz
+        forward = x * dx + y * dy + z * dz
+        u = (x * sx + y * sy + z * sz) / (forward * wide)
+        v = (x * ox + y * oy + z * oz) / (forward * tall)
+        high = -(x * nxs[i] + y * nys[i] + z * nzs[i])
+        far = math.sqrt(x * x + y * y + z * z)
+        towards[i] = high
+        ahead[i] = forward
+        at[i] = math.sqrt(u * u + v * v) * steps
+        distance[i] = far
+        over[i] = high - horizons[i] * far
+
+
+@kernel(lean=True)
+def _chosen(
+    coat: Coat, pattern: Pattern, begin: int, end: int, room: CoatRoom, so_far: tuple[int, int, float]
+) -> tuple[int, int, float]:
+    """Put those of the faces from `begin` to `end` that get spray behind those that do; returns what `_aimed` does."""
+    count, doubtful, total = so_far
+    last = len(pattern.density) - 1
+    for i in range(end - begin):
+        towards, ahead, at = room.box[0, i], room.box[1, i], room.box[2, i]
+        if towards <= 0.0 or ahead < _FRONT or at >= last:
+            continue
+        low = int(at)
+        density = pattern.density[low] + (at - low) * (pattern.density[low + 1] - pattern.density[low])
+        if density <= 0.0:
+            continue
+        share = density * towards * coat.area[begin + i] / (pattern.wide * pattern.tall * ahead * ahead * ahead)
+        total += share
+        room.face[count] = begin + i
+        room.share[count] = share
+        room.towards[count] = towards
+        room.distance[count] = room.box[3, i]
+        if room.box[4, i] <= 0.0:
+            room.low[doubtful] = count
+            doubtful += 1
+        count += 1
+    return count, doubtful, total
+
+
+@kernel(lean=True)
+def _shade(
+    coat: Coat, pattern: Pattern, dabs: Dabs, k: int, shades: Shades, counts: tuple[int, int], room: CoatRoom
+) -> bool:
+    """Take the share of each face that the gun does not see; whether any is taken. `counts` as `_aimed` has them."""
     spread = pattern.reach * max(pattern.wide, pattern.tall)
     bodies = len(shades.ball)
     for b in range(bodies):
@@ -190,27 +254,22 @@ def _shade(coat: Coat, pattern: Pattern, dabs: Dabs, k: int, shades: Shades, cou
         y = X[k, b, 1, 0] * cx + X[k, b, 1, 1] * cy + X[k, b, 1, 2] * cz + X[k, b, 1, 3]
         z = X[k, b, 2, 0] * cx + X[k, b, 2, 1] * cy + X[k, b, 2, 2] * cz + X[k, b, 2, 3]
         room.within[b] = 0 if _outside(x, y, z, shades.ball[b, 3], dabs, k, spread) else 1
+    taken = False
     for b in range(bodies):
         if room.within[b] == 0:
             continue
+        own = b == shades.own
         _into(room.ray, 1, dabs.poses, k, b, dabs.place[k, 0], dabs.place[k, 1], dabs.place[k, 2])
-        for i in range(count):
-            face = room.face[i]
-            if room.share[i] == 0.0 or (b == shades.own and _above(coat, face, dabs, k)):
+        for j in range(counts[1] if own else counts[0]):
+            i = room.low[j] if own else j
+            if room.share[i] == 0.0:
                 continue
-            _into(room.ray, 0, dabs.poses, k, b, coat.middle[face, 0], coat.middle[face, 1], coat.middle[face, 2])
+            face = room.face[i]
+            _into(room.ray, 0, dabs.poses, k, b, coat.places[0, face], coat.places[1, face], coat.places[2, face])
             if blocked(shades.boxes, shades.triangles, shades.first[b], shades.first[b + 1], room.ray, SKIN):
                 room.share[i] = 0.0
-
-
-@kernel(lean=True)
-def _above(coat: Coat, face: int, dabs: Dabs, k: int) -> bool:
-    """Whether the gun stands higher over a face than anything of its body."""
-    x = dabs.place[k, 0] - coat.middle[face, 0]
-    y = dabs.place[k, 1] - coat.middle[face, 1]
-    z = dabs.place[k, 2] - coat.middle[face, 2]
-    up = x * coat.normal[face, 0] + y * coat.normal[face, 1] + z * coat.normal[face, 2]
-    return bool(up > coat.horizon[face] * math.sqrt(x * x + y * y + z * z))
+                taken = True
+    return taken
 
 
 @kernel(lean=True)
@@ -226,31 +285,30 @@ def _add(
     coat: Coat, pattern: Pattern, dabs: Dabs, k: int, count: int, room: CoatRoom, scale: float, told: Array
 ) -> None:
     """Lay what stays of dab k on the faces that it reaches."""
+    solids, liquid = dabs.solids[k], dabs.liquid[k]
+    gx, gy, gz = dabs.down[k, 0], dabs.down[k, 1], dabs.down[k, 2]
+    met, laid = 0.0, 0.0
     for i in range(count):
         if room.share[i] == 0.0:
             continue
-        face, share = room.face[i], scale * room.share[i]
-        x = dabs.place[k, 0] - coat.middle[face, 0]
-        y = dabs.place[k, 1] - coat.middle[face, 1]
-        z = dabs.place[k, 2] - coat.middle[face, 2]
-        distance = math.sqrt(x * x + y * y + z * z)
+        face, share, distance = room.face[i], scale * room.share[i], room.distance[i]
         stays = share * staying(pattern, distance)
-        nx, ny, nz = coat.normal[face, 0], coat.normal[face, 1], coat.normal[face, 2]
         if pattern.rebound > 0.0:
-            stays *= power((x * nx + y * ny + z * nz) / distance, pattern.rebound)
-        film = dabs.solids[k] * stays
+            stays *= power(room.towards[i] / distance, pattern.rebound)
+        film = solids * stays
         coat.dry[face] += film / coat.area[face]
-        coat.wet[face] += dabs.liquid[k] * stays / coat.area[face]
-        flat = nx * dabs.down[k, 0] + ny * dabs.down[k, 1] + nz * dabs.down[k, 2]
+        coat.wet[face] += liquid * stays / coat.area[face]
+        flat = coat.normals[0, face] * gx + coat.normals[1, face] * gy + coat.normals[2, face] * gz
         coat.steep[face] = max(coat.steep[face], 1.0 - flat * flat)
-        told[k, 0] += share
-        told[k, 1] += film
+        met += share
+        laid += film
         if distance < pattern.least:
             told[k, 2] += film
             told[k, 3] += film * distance
         elif distance > pattern.most:
             told[k, 4] += film
             told[k, 5] += film * distance
+    told[k, 0], told[k, 1] = met, laid
 
 
 @kernel(lean=True)

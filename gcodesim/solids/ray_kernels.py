@@ -18,7 +18,7 @@ from gcodesim.compiled import kernel
 Array = NDArray[float64]
 Ints = NDArray[int64]
 
-_VAGUE = 0.05  # sine by which a horizon may be too high
+_VAGUE = 0.25  # sine by which a horizon may be too high
 _PARALLEL = 1e-30  # determinant below which a triangle is seen edge-on
 
 

@@ -39,7 +39,14 @@ def tree_of(mesh: Triangles) -> TriangleTree:
     a, b, c = a[order], b[order], c[order]
     low, high = np.minimum(np.minimum(a, b), c), np.maximum(np.maximum(a, b), c)
     corners = TriangleEdges(np.ascontiguousarray(a), np.ascontiguousarray(b - a), np.ascontiguousarray(c - a))
-    return TriangleTree(_boxes(low, high), corners, order)
+    return TriangleTree(_boxes(low, high, LEAF), corners, order)
+
+
+def wider(tree: TriangleTree, leaf: int) -> Boxes:
+    """Boxes over the same triangles in the same order with up to `leaf` triangles in each of the last ones."""
+    a = tree.corners.corner
+    b, c = a + tree.corners.along, a + tree.corners.across
+    return _boxes(np.minimum(np.minimum(a, b), c), np.maximum(np.maximum(a, b), c), leaf)
 
 
 def _along_curve(points: Array) -> Ints:
@@ -54,15 +61,15 @@ def _along_curve(points: Array) -> Ints:
     return number
 
 
-def _boxes(low: Array, high: Array) -> Boxes:
-    """The full binary tree over items with corners `low`, `high` (t, 3) in order."""
+def _boxes(low: Array, high: Array, leaf: int) -> Boxes:
+    """The full binary tree over items with corners `low`, `high` (t, 3) in order, `leaf` of them in a leaf."""
     count = len(low)
-    leaves = max(1, -(-count // LEAF))
+    leaves = max(1, -(-count // leaf))
     depth = (leaves - 1).bit_length()
     width = 1 << depth
-    least, most = np.full((width * LEAF, 3), np.inf), np.full((width * LEAF, 3), -np.inf)
+    least, most = np.full((width * leaf, 3), np.inf), np.full((width * leaf, 3), -np.inf)
     least[:count], most[:count] = low, high
-    level = [(least.reshape(width, LEAF, 3).min(axis=1), most.reshape(width, LEAF, 3).max(axis=1))]
+    level = [(least.reshape(width, leaf, 3).min(axis=1), most.reshape(width, leaf, 3).max(axis=1))]
     for _ in range(depth):
         below = level[-1]
         level.append((below[0].reshape(-1, 2, 3).min(axis=1), below[1].reshape(-1, 2, 3).max(axis=1)))
@@ -75,8 +82,8 @@ def _boxes(low: Array, high: Array) -> Boxes:
         box[at, :3], box[at, 3:] = level[depth - down]
         skip[at] = at + size
         if down == depth:
-            begin[at] = np.minimum(LEAF * np.arange(width), count)
-            end[at] = np.minimum(LEAF * np.arange(1, width + 1), count)
+            begin[at] = np.minimum(leaf * np.arange(width), count)
+            end[at] = np.minimum(leaf * np.arange(1, width + 1), count)
         else:
             half = size // 2
             at = np.stack([at + 1, at + 1 + half], axis=1).reshape(-1)

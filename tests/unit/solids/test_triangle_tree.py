@@ -8,7 +8,7 @@ import pytest
 from gcodesim.solids import Box
 from gcodesim.solids.mesh_file import Triangles
 from gcodesim.solids.ray_kernels import blocked, horizons
-from gcodesim.solids.triangle_tree import joined, tree_of
+from gcodesim.solids.triangle_tree import joined, tree_of, wider
 from gcodesim.solids.triangles import triangles_of
 
 
@@ -102,3 +102,17 @@ def test_nothing_is_seen_above_the_horizon() -> None:
     ways = points[None] - centre[:, None]
     sines = (ways * normal[:, None]).sum(axis=2) / np.linalg.norm(ways, axis=2)
     assert (sines.max(axis=1) <= horizon + 1e-12).all()
+
+
+@pytest.mark.parametrize("count", [1, 31, 32, 33, 1000])
+def test_wider_boxes_hold_the_same_triangles(count: int) -> None:
+    tree = tree_of(scattered(count, seed=count))
+    boxes = wider(tree, 32)
+    held = np.zeros(count, dtype=int)
+    corners = np.stack([tree.corners.corner + way for way in (0.0, tree.corners.along, tree.corners.across)])
+    for box, begin, end in zip(boxes.box, boxes.begin, boxes.end, strict=True):
+        assert end - begin <= 32
+        held[begin:end] += 1
+        within = corners[:, begin:end]
+        assert (within >= box[:3] - 1e-12).all() and (within <= box[3:] + 1e-12).all()
+    assert (held == 1).all()
