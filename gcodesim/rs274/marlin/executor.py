@@ -241,14 +241,28 @@ class PrinterExecutor(Executor):
         control.spindle_tool = control.tools.get(number, ToolEntry(number=number))
         control.state.tool = self._mounted = number
         control.out.append(canon.ToolNumber(span=control.span, tool=number))
-        x, y, z, *rest = control.from_si(control.spindle_tool.offset)
-        dx, dy, dz, *_ = self.printer.offset_of(self.printer.tool)
-        offset: Vector = (x - dx, y - dy, z - dz, *rest)  # type: ignore[assignment]
+        offset = self._offset_in_force()
         if offset != control.state.tool_offset:
             axes = control.axes()
             control.state.tool_offset = offset
             control.stay_at(axes)
             control.say_tool_offset()
+
+    def _offset_in_force(self) -> Vector:
+        """The offset of the nozzle in use, along each axis the program's where the cell, too, knows nozzles apart.
+
+        A cell whose nozzles are all at one place does not say where in the head each is. Then M218 says it, and beads
+        are laid where they are programmed. Where the cell says it, they go astray by what M218 says otherwise.
+        """
+        control = self.control
+        own: Vector = control.from_si(control.spindle_tool.offset)
+        if self.printer.tool not in self.printer.offsets:
+            return own
+        first: Vector = control.from_si(control.tools.get(self._first_number, ToolEntry(number=0)).offset)
+        said = self.printer.offset_of(self.printer.tool)
+        knows = not self.settings.has_cell
+        ruled = [at - by if knows or at != mine else mine for at, by, mine in zip(first, said, own, strict=False)]
+        return (*ruled, *own[len(ruled) :])  # type: ignore[return-value]
 
     def finish(self) -> None:
         control = self.control
