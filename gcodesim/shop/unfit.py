@@ -8,11 +8,25 @@ from gcodesim.solids import Mesh, MeshError, MeshFile, read_mesh
 
 
 def idle_on_lathe(shop: Shop) -> list[Diagnostic]:
-    """GS435 for each tool that could cut, but not on this machine."""
+    """GS435 for each tool that could take or add material, but not on this machine."""
     if not (shop.cell.stocks and shop.cell.tools):
         return []
+    from gcodesim.processes import PROCESSES
+
     findings = []
     for number, tool in sorted(shop.cell.tools.items()):
+        if shop.mover.lathe and any(PROCESSES[kind].together for kind in tool.processes):
+            findings.append(
+                Diagnostic(
+                    code="GS435",
+                    span=shop.cell.span("tools", str(number)),
+                    message=f"{tool.name} is moved but does nothing to the work: only lathe tools, drills and driven "
+                    "tools change what a lathe turns",
+                    hint="`stock: {from: …}` takes what was turned to a machine of another kind, also one with an "
+                    "axis about which it turns",
+                )
+            )
+            continue
         turns = "turning" in tool.processes
         if turns == shop.mover.lathe or not (turns or "milling" in tool.processes) or tool.kind == "drill":
             continue

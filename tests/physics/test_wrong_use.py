@@ -109,3 +109,25 @@ def test_wrong_use_is_a_finding_with_its_line(use: str) -> None:
 @pytest.mark.parametrize("use", RIGHT)
 def test_right_use_has_none(use: str) -> None:
     assert told(*RIGHT[use]) == []
+
+
+@pytest.mark.parametrize(
+    "tool",
+    [
+        "extruder, bead_width: 6, bead_height: 3, flow: 200 mm^3/s",
+        "laser, diameter: 0.5 mm, power: 2 kW",
+        "welding_torch, wire_speed: 8 m/min",
+    ],
+)
+def test_what_does_nothing_to_the_work_of_a_lathe_is_told(tool: str) -> None:
+    """A lathe keeps a profile of revolution, in which a bead or a kerf has no place."""
+    cell = (
+        "gcodesim: 1\nmachine: lathe_xz\nstock: {cylinder: [36 mm, 60 mm], zero: top-center}\n"
+        f"tools: {{1: {{type: {tool}, length: 60}}}}\n"
+        "m_codes: {M10: {tool: activate}, M11: {tool: deactivate}}\n"
+    )
+    ran = run_texts("G21 G90 G94\nT1 M6\nG0 X60 Z5\nG1 X38 Z-5 F500\nM10\nG1 Z-20\nM11\nG0 X100\nM2\n", cell)
+
+    (told,) = [f for f in ran.results.findings if f.code == "GS435"]
+    assert told.message.startswith("T1 is moved but does nothing to the work") and told.span.line == 4
+    assert ran.stock.removed == ran.stock.deposited == 0.0

@@ -148,10 +148,11 @@ CODES: tuple[Code, ...] = (
         code="GS435",
         severity=Severity.WARNING,
         title="Tool cuts nothing on this machine",
-        what="A mill on a lathe that is not driven, or a lathe tool on a machine whose work does not turn.",
-        why="Its moves are run, but the material that it would take stays.",
+        what="A mill on a lathe that is not driven, a lathe tool on a machine whose work does not turn, or a beam, a "
+        "jet, a torch or an extruder on a lathe, where the stock is a profile of revolution.",
+        why="Its moves are run, but the material that it would take or add is as before.",
         remedy="Say `driven: true` for a driven tool of a lathe. Else put the work of that tool into a cell of its "
-        "own, with the machine that does it.",
+        "own, with the machine that does it; `stock: {from: out1}` takes what was turned there.",
     ),
     Code(
         code="GS436",
