@@ -30,10 +30,12 @@ ARC, AT_R, AT_Z, KAPPA, KAPPA_END, LENGTH, FOOT, HEAD = 0, 1, 2, 3, 4, 5, 6, 7
 
 # Columns of `Room.rows`: radius and height of a row in its middle, kappa there, width, lowest and highest place,
 # largest radius. Nearly all rows touch material at few angles, so each keeps the range of those; nothing else is worked
-# on. Then what the limits of contact within an angle add to the sums of sines and cosines, and that times height [m].
+# on. Then what the limits of contact within an angle add to the sums of sines and cosines, and that times height [m];
+# in the first row of an arc, whose sines take long, also which piece it is (its number + 1) and the kappa at its end.
 RADIUS, HEIGHT, SIN_KAPPA, COS_KAPPA, EDGE_WIDTH, LOW, HIGH, OUTER, FROM, TO = 0, 1, 2, 3, 4, 5, 6, 7, 8, 9
 MORE_SINES, MORE_COSINES, LEVER_SINES, LEVER_COSINES = 10, 11, 12, 13
-COLUMNS = 14
+OF_ARC, UP_TO = 14, 15
+COLUMNS = 16
 
 # An edge that moves into material at less than this share of its speed slides on it without cutting, as the flat bottom
 # of an end mill in a horizontal cut, whose commanded height is never exactly constant.
@@ -67,7 +69,10 @@ class Heading(NamedTuple):
 
 @kernel(lean=True)
 def lay_rows(pieces: Array, piece: int, height: float, cell: float, rows: Array) -> int:
-    """Cut the part of a piece of the edge that is below `height` [m] into rows; returns their number."""
+    """Cut the part of a piece of the edge that is below `height` [m] into rows; returns their number.
+
+    rows (n, COLUMNS) are those of the same cutter from call to call, at first zeros: an arc that is there stays.
+    """
     radius, kappa0, kappa1 = pieces[piece, ARC], pieces[piece, KAPPA], pieces[piece, KAPPA_END]
     length, z0, z1 = pieces[piece, LENGTH], pieces[piece, FOOT], pieces[piece, HEAD]
     if z0 >= height or length <= 0.0:
@@ -75,6 +80,11 @@ def lay_rows(pieces: Array, piece: int, height: float, cell: float, rows: Array)
     if radius > 0.0:
         if z1 > height:
             kappa1 = acos(max((pieces[piece, AT_Z] - height) / radius, -1.0))
+        for i in range(SLICES):
+            for more in range(MORE_SINES, LEVER_COSINES + 1):
+                rows[i, more] = 0.0
+        if rows[0, OF_ARC] == piece + 1.0 and rows[0, UP_TO] == kappa1:
+            return SLICES
         step = (kappa1 - kappa0) / SLICES
         for i in range(SLICES):
             a = kappa0 + i * step
@@ -89,12 +99,7 @@ def lay_rows(pieces: Array, piece: int, height: float, cell: float, rows: Array)
             rows[i, LOW] = pieces[piece, AT_Z] - radius * cosine_low
             rows[i, HIGH] = pieces[piece, AT_Z] - radius * cosine_high
             rows[i, OUTER] = pieces[piece, AT_R] + radius * max(sine_low, sine_high)  # undercut: the lower end
-            rows[i, MORE_SINES], rows[i, MORE_COSINES], rows[i, LEVER_SINES], rows[i, LEVER_COSINES] = (
-                0.0,
-                0.0,
-                0.0,
-                0.0,
-            )
+            rows[i, OF_ARC], rows[i, UP_TO] = piece + 1.0 if i == 0 else 0.0, kappa1
         return SLICES
     cosine, sine = cos_sin(kappa0)
     if z1 > height:
@@ -111,6 +116,7 @@ def lay_rows(pieces: Array, piece: int, height: float, cell: float, rows: Array)
         rows[i, LOW], rows[i, HIGH] = z0 + i * step * sine, z0 + (i + 1) * step * sine
         rows[i, OUTER] = rows[i, RADIUS] + 0.5 * step * abs(cosine)
         rows[i, MORE_SINES], rows[i, MORE_COSINES], rows[i, LEVER_SINES], rows[i, LEVER_COSINES] = 0.0, 0.0, 0.0, 0.0
+        rows[i, OF_ARC] = 0.0
     return number
 
 

@@ -66,7 +66,17 @@ from gcodesim.processes.limit_kernels import (
     no_limit,
     spot_beyond,
 )
-from gcodesim.processes.rim_kernels import DEEPEST, FRONT, SLOPE_LEFT, SLOPE_RIGHT, UNSEEN, RimRow, rim_limit
+from gcodesim.processes.rim_kernels import (
+    DEEPEST,
+    FRONT,
+    SLOPE_LEFT,
+    SLOPE_RIGHT,
+    UNSEEN,
+    RimRow,
+    may_have_rim,
+    profile_of,
+    rim_limit,
+)
 from gcodesim.processes.seam_kernels import (
     Seams,
     Steps,
@@ -226,8 +236,36 @@ def leave_advancing(sines: Array, level: float, sin_kappa: float, fall: float, l
 
 
 @kernel(lean=True)
+def ask_elsewhere(
+    field: Field, circle: Circle, tip: Array, heading: Heading, clearance: Clearance, rows: Array, i: int, leans: Array,
+    line: Array,
+) -> None:  # fmt: skip
+    """Ask for the shares (n,) of row i that are not known, one by one: most are at the border of the stock."""
+    for k in range(line.shape[0]):
+        if line[k] == ELSEWHERE:
+            own = leaning(heading, leans, k)
+            line[k] = share_at(field, tip, own, clearance, rows, i, circle.sines[k], circle.cosines[k])
+
+
+class RowShares(NamedTuple):
+    """What `Room` has of rows, and of one of them the shares (n,) at the angles in front and where these change (n,)."""
+
+    rows: Array
+    weights: Array
+    known: Array
+    steps: Array
+    seams: Seams
+
+
+@kernel(lean=True, inlined=True)
+def shares_in(room: Room) -> RowShares:
+    """Where the shares of a row are, once its places are no longer needed."""
+    return RowShares(room.rows, room.weights, room.places.us[: ANGLES // 2], room.places.vs[: ANGLES // 2], room.seams)
+
+
+@kernel(lean=True)
 def note_side(
-    circle: Circle, clearance: Clearance, room: Room, i: int, limit: ContactLimit, beyond: float, at_left: bool,
+    circle: Circle, clearance: Clearance, shares: RowShares, i: int, limit: ContactLimit, beyond: float, at_left: bool,
     number: int,
 ) -> int:  # fmt: skip
     """Add to the first `number` seams that at the limit of row i just inside its rim; how many there are then.
@@ -235,8 +273,7 @@ def note_side(
     `beyond`: share of the row that is in material outside the limit. What `mark_steps` has found of the row then says
     nothing of that wall.
     """
-    n, rows = ANGLES // 2, room.rows
-    known, steps = room.places.us[:n], room.places.vs
+    n, (rows, weights, known, steps, seams) = ANGLES // 2, shares
     radius, outer = rows[i, RADIUS], 0 if at_left else n - 1
     inside = max(radius - clearance.aside, 0.0) / radius
     inner = end_of_side(circle, inside, known, at_left)
@@ -245,36 +282,43 @@ def note_side(
     while 0 < inner < n - 1 and abs(known[inner + step] - known[inner]) > SAME_SHARE:
         inner += step
     first, last = (0, inner) if at_left else (inner, n - 1)
-    room.weights[i, outer] = beyond
+    weights[i, outer] = beyond
     for k in range(first, last + 1):
         known[k], steps[k] = known[inner], 0.0
     rows[i, FROM], rows[i, TO] = min(rows[i, FROM], first), max(rows[i, TO], last + 1)
-    note_limit(room.seams, number, i, first, last, limit.angle)
+    note_limit(seams, number, i, first, last, limit.angle)
     return number + 1
 
 
-@kernel(lean=True)
+@kernel(lean=True, inlined=True)
 def rim_of(
     field: Field, pieces: Array, circle: Circle, tip: Array, heading: Heading, clearance: Clearance, room: Room, i: int,
-    front: float, at_left: bool,
+    at_left: bool,
 ) -> tuple[ContactLimit, bool]:  # fmt: skip
     """`rim_limit` of row i on one side: just inside its rim, and farther inside if its shares differ there."""
-    radius, n = room.rows[i, RADIUS], ANGLES // 2
+    radius, n, front = room.rows[i, RADIUS], ANGLES // 2, room.line[FRONT]
     row = RimRow(radius, tip[2], tip[2] + room.rows[i, HEIGHT], 1.0 if at_left else -1.0)
-    limit, full = rim_limit(field, pieces, tip, heading, clearance, row, front, radius, room.line)
-    about = radius - DEEPEST * clearance.aside
-    if limit.angle == NO_LIMIT and about > clearance.aside:
-        deeper = (about - (DEEPEST + 1.0) * clearance.aside) / radius
-        known, k, step = room.places.us[:n], 0 if at_left else n - 1, 1 if at_left else -1
-        outer = known[k]
-        while abs(circle.cosines[k]) >= deeper and abs(k - n // 2) > 1:
-            k += step
-        if abs(known[k] - outer) > SAME_SHARE:
+    limit, full, about = no_limit(), False, radius
+    known, outermost = room.places.us[:n], 0 if at_left else n - 1
+    for deeper in (False, True):
+        if deeper:
+            about = radius - DEEPEST * clearance.aside
+            if about <= clearance.aside:
+                break
+            inside = (about - (DEEPEST + 1.0) * clearance.aside) / radius
+            k, step = outermost, 1 if at_left else -1
+            while abs(circle.cosines[k]) >= inside and abs(k - n // 2) > 1:
+                k += step
+            if abs(known[k] - known[outermost]) <= SAME_SHARE:
+                break
+        if may_have_rim(field, tip, heading, clearance, row, front, about, profile_of(room.line).heights):
             limit, full = rim_limit(field, pieces, tip, heading, clearance, row, front, about, room.line)
+        if limit.angle != NO_LIMIT:
+            break
     return limit, full
 
 
-@kernel(lean=True)
+@kernel(lean=True, inlined=True)
 def note_rims(
     field: Field, pieces: Array, circle: Circle, tip: Array, heading: Heading, clearance: Clearance, room: Room, i: int,
     told: int, number: int,
@@ -283,12 +327,16 @@ def note_rims(
 
     told: the sides of which walls have told the limit.
     """
-    n, rows, front = ANGLES // 2, room.rows, room.line[FRONT]
+    n, rows = ANGLES // 2, room.rows
     left, left_full, right, right_full = no_limit(), False, no_limit(), False
-    if told & AT_LEFT == 0:
-        left, left_full = rim_of(field, pieces, circle, tip, heading, clearance, room, i, front, True)
-    if told & AT_RIGHT == 0:
-        right, right_full = rim_of(field, pieces, circle, tip, heading, clearance, room, i, front, False)
+    for at_left in (True, False):
+        if told & (AT_LEFT if at_left else AT_RIGHT) != 0:
+            continue
+        limit, full = rim_of(field, pieces, circle, tip, heading, clearance, room, i, at_left)
+        if at_left:
+            left, left_full = limit, full
+        else:
+            right, right_full = limit, full
     if left.angle != NO_LIMIT and right.angle != NO_LIMIT and right.angle <= left.angle + SAME_LIMIT:
         known, steps = room.places.us[:n], room.places.vs  # one surface, seen from both sides
         for k in range(n):
@@ -298,9 +346,9 @@ def note_rims(
         note_limit(room.seams, number, i, 0, n - 1, left.angle)
         return number + 1
     if left.angle != NO_LIMIT:
-        number = note_side(circle, clearance, room, i, left, 1.0 if left_full else 0.0, True, number)
+        number = note_side(circle, clearance, shares_in(room), i, left, 1.0 if left_full else 0.0, True, number)
     if right.angle != NO_LIMIT:
-        number = note_side(circle, clearance, room, i, right, 1.0 if right_full else 0.0, False, number)
+        number = note_side(circle, clearance, shares_in(room), i, right, 1.0 if right_full else 0.0, False, number)
     return number
 
 
@@ -362,10 +410,7 @@ def contact_of_rows(
                     places.ups[k] *= room.leans[begin + k]
             ask_places(columns, places, bottom, top, line[begin:end])
         if leave_advancing(sines, level, sin_kappa, fall, line):
-            for k in range(last):
-                if line[k] == ELSEWHERE:
-                    own = leaning(heading, room.leans, k)
-                    line[k] = share_at(field, tip, own, clearance, rows, i, sines[k], circle.cosines[k])
+            ask_elsewhere(field, circle, tip, heading, clearance, rows, i, room.leans, line)
         known, steps = room.places.us[:last], room.places.vs[:last]  # the places are no longer needed
         left = mark_steps(sines, level, sin_kappa, fall, line, known, steps)
         rows[i, FROM], rows[i, TO] = reach_of(known, steps)
@@ -376,12 +421,12 @@ def contact_of_rows(
             if limit.angle != NO_LIMIT:
                 told += AT_LEFT
                 beyond = share_beyond(field, tip, beside_way, clearance, span, limit, True)
-                waiting = note_side(circle, clearance, room, i, limit, beyond, True, waiting)
+                waiting = note_side(circle, clearance, shares_in(room), i, limit, beyond, True, waiting)
             limit = at_row(at_right, tip, beside_way, clearance, span, known[ANGLES // 2 - 1], False)
             if limit.angle != NO_LIMIT:
                 told += AT_RIGHT
                 beyond = share_beyond(field, tip, beside_way, clearance, span, limit, False)
-                waiting = note_side(circle, clearance, room, i, limit, beyond, False, waiting)
+                waiting = note_side(circle, clearance, shares_in(room), i, limit, beyond, False, waiting)
         if rimmed and behind == 0 and sin_kappa > UPRIGHT:
             waiting = note_rims(field, pieces, circle, tip, beside_way, clearance, room, i, told, waiting)
         if left > 0:

@@ -107,29 +107,93 @@ def widest_below(pieces: Array, height: float) -> float:
     return widest
 
 
-@kernel(lean=True)
-def read_profile(
-    field: Field, tip: Array, heading: Heading, ahead: float, row: RimRow, about: float, profile: EdgeProfile
-) -> None:
-    """Read columns near the line across the way that is so far `ahead` [m] of the tip, from about there on inwards."""
+class RimLine(NamedTuple):
+    """Columns (SEEN,) across the way, from one to the next `step` [m] inwards.
+
+    (u, v) is where the line begins, counted in columns, `shift` columns inside of the first one whose centre it meets.
+    (out_x, out_y) is the unit vector outwards, (dx, dy) the sides of a cell [m].
+    """
+
+    u: float
+    v: float
+    shift: float
+    step: float
+    out_x: float
+    out_y: float
+    dx: float
+    dy: float
+
+
+@kernel(lean=True, inlined=True)
+def line_across_way(field: Field, tip: Array, heading: Heading, ahead: float, row: RimRow, about: float) -> RimLine:
+    """The columns near the line across the way that is so far `ahead` [m] of the tip, from about there on inwards.
+
+    It goes through centres of columns along one axis, and past the nearest ones along the other.
+    """
     (dx, dy), ux, uy = sides(field), heading.ux, heading.uy
     out_x, out_y = -uy * row.side, ux * row.side
     along_x = abs(out_x) > abs(out_y)
-    # the line goes through centres of columns along one axis, and past the nearest ones along the other
     x, y = tip[0] + ux * ahead + out_x * about, tip[1] + uy * ahead + out_y * about
     u, v = index_at(field, x, y)
     across, onward = (u, out_x) if along_x else (v, out_y)
-    step = (dx if along_x else dy) / abs(onward)  # [m] from column to column
+    step = (dx if along_x else dy) / abs(onward)
     shift = np.ceil(across) - across if onward > 0.0 else across - np.floor(across)
+    return RimLine(u, v, float(shift), step, out_x, out_y, dx, dy)
+
+
+@kernel(lean=True, inlined=True)
+def column_on(line: RimLine, k: int) -> tuple[int, int]:
+    """Column k of a line across the way."""
+    way = (line.shift + (BEYOND - 1 - k)) * line.step
+    return int(np.rint(line.u + way * line.out_x / line.dx)), int(np.rint(line.v + way * line.out_y / line.dy))
+
+
+@kernel(lean=True, inlined=True)
+def dips_between(heights: Array, k: int) -> bool:
+    """Whether heights fall towards the columns k and k + 1 of a profile from both sides."""
+    return bool(0 < k < SEEN - 2 and heights[k - 1] > heights[k] and heights[k + 2] > heights[k + 1])
+
+
+@kernel(lean=True, inlined=True)
+def may_cross(heights: Array, height: float) -> bool:
+    """Whether a surface of these heights (SEEN,) [m] may cross a row, or have a furrow that is deeper.
+
+    Nearly all rows are above what is there, or deep inside of it.
+    """
+    above, dips = 0, False
     for k in range(SEEN):
-        way = (shift + (BEYOND - 1 - k)) * step
-        i = int(np.rint(u + way * out_x / dx))
-        j = int(np.rint(v + way * out_y / dy))
+        above += 1 if heights[k] > height else 0
+        dips |= dips_between(heights, k)
+    return dips if above == SEEN else above > 0
+
+
+@kernel(lean=True, inlined=True)
+def read_heights(field: Field, line: RimLine, heights: Array) -> None:
+    """The heights (SEEN,) of the columns of a line across the way [m]."""
+    for k in range(SEEN):
+        i, j = column_on(line, k)
+        heights[k] = highest_at(field, i, j)
+
+
+@kernel(lean=True)
+def read_profile(
+    field: Field, tip: Array, heading: Heading, ahead: float, row: RimRow, about: float, profile: EdgeProfile
+) -> bool:
+    """Read columns near the line across the way that is so far `ahead` [m] of the tip, from about there on inwards.
+
+    Returns whether they may show anything of the row; if not, only their heights are read.
+    """
+    line = line_across_way(field, tip, heading, ahead, row, about)
+    read_heights(field, line, profile.heights)
+    if not may_cross(profile.heights, row.height):
+        return False
+    for k in range(SEEN):
+        i, j = column_on(line, k)
         x, y = middle_of(field, i, j)
         own_x, own_y = x - tip[0], y - tip[1]
-        profile.aheads[k] = own_x * ux + own_y * uy
-        profile.asides[k] = own_x * out_x + own_y * out_y
-        profile.heights[k] = highest_at(field, i, j)
+        profile.aheads[k] = own_x * heading.ux + own_y * heading.uy
+        profile.asides[k] = own_x * line.out_x + own_y * line.out_y
+    return True
 
 
 @kernel(lean=True, inlined=True)
@@ -223,12 +287,6 @@ def place_between(
 
 
 @kernel(lean=True, inlined=True)
-def dips_between(heights: Array, k: int) -> bool:
-    """Whether heights fall towards the columns k and k + 1 of a profile from both sides."""
-    return bool(0 < k < SEEN - 2 and heights[k - 1] > heights[k] and heights[k + 2] > heights[k + 1])
-
-
-@kernel(lean=True, inlined=True)
 def furrow_at(profile: EdgeProfile, k: int, row: RimRow) -> tuple[float, float]:
     """Between which places, outer and inner [m], a furrow is deeper than a row that no column k or k + 1 shows.
 
@@ -246,11 +304,13 @@ def furrow_at(profile: EdgeProfile, k: int, row: RimRow) -> tuple[float, float]:
 
 @kernel(lean=True)
 def see_rim(
-    field: Field, pieces: Array, tip: Array, heading: Heading, clearance: Clearance, profile: EdgeProfile, row: RimRow,
-    about: float,
+    field: Field, pieces: Array, tip: Array, heading: Heading, clearance: Clearance, ahead: float, row: RimRow,
+    about: float, profile: EdgeProfile,
 ) -> RimSight:  # fmt: skip
-    """The outermost place up to about there, inside the rim, where the surface of a profile crosses a row."""
+    """The outermost place up to about there, inside the rim, where the surface crosses a row; so far `ahead` [m]."""
     radius, at, heights = row.radius, profile.asides, profile.heights
+    if not read_profile(field, tip, heading, ahead, row, about, profile):
+        return RimSight(False, 0.0, False)
     for k in range(SEEN - 1):
         if at[k + 1] >= about:
             continue
@@ -299,13 +359,27 @@ def rim_on_arc(
     place[0], place[1], place[2] = tip[0] + ux * ahead - uy * aside, tip[1] + uy * ahead + ux * aside, tip[2]
     there = Heading(ux * cosine - uy * sine, uy * cosine + ux * sine, level, climb, turn)
     at_rim = ahead_of(row, heading, np.sqrt(front * front - inner * inner))
-    read_profile(field, place, there, 0.0, at_rim, about, profile)
-    seen = see_rim(field, pieces, place, there, clearance, profile, at_rim, about)
+    seen = see_rim(field, pieces, place, there, clearance, 0.0, at_rim, about, profile)
     if not seen.known:
         return no_limit(), False
     off = row.side * seen.aside
     left = on_way(row.radius * row.radius, off, turn)
     return ContactLimit(angle_at(0.0, left, 0.0, row.radius, 0.0), 0.0, left, 0.0, row.tip), seen.full
+
+
+@kernel(lean=True, inlined=True)
+def may_have_rim(
+    field: Field, tip: Array, heading: Heading, clearance: Clearance, row: RimRow, front: float, about: float,
+    heights: Array,
+) -> bool:  # fmt: skip
+    """Whether `rim_limit` may find a limit, by the heights (SEEN,) that it looks at first; most rows have none."""
+    if heading.turn != 0.0:
+        return True
+    inner = max(about - DEEPEST * clearance.aside, 0.0)
+    near = heading.level * np.sqrt(front * front - inner * inner)
+    at_rim = ahead_of(row, heading, near)
+    read_heights(field, line_across_way(field, tip, heading, near, at_rim, about), heights)
+    return may_cross(heights, at_rim.height)
 
 
 @kernel(lean=True)
@@ -322,8 +396,7 @@ def rim_limit(
         return rim_on_arc(field, pieces, tip, heading, clearance, row, front, about, line)
     near = heading.level * np.sqrt(front * front - inner * inner)
     at_rim = ahead_of(row, heading, near)
-    read_profile(field, tip, heading, near, at_rim, about, profile)
-    seen = see_rim(field, pieces, tip, heading, clearance, profile, at_rim, about)
+    seen = see_rim(field, pieces, tip, heading, clearance, near, at_rim, about, profile)
     if not seen.known:
         return no_limit(), False
     aside, side = row.side * seen.aside, SLOPE_LEFT if row.side > 0.0 else SLOPE_RIGHT
@@ -332,8 +405,7 @@ def rim_limit(
         return ContactLimit(angle, near, aside, line[side], row.tip), seen.full
     far = near + BASE * clearance.aside
     at_rim = ahead_of(row, heading, far)
-    read_profile(field, tip, heading, far, at_rim, about, profile)
-    other = see_rim(field, pieces, tip, heading, clearance, profile, at_rim, about)
+    other = see_rim(field, pieces, tip, heading, clearance, far, at_rim, about, profile)
     slope = row.side * (other.aside - seen.aside) / (far - near)
     if not other.known or other.full != seen.full or abs(slope) > STRAIGHT:
         return no_limit(), False

@@ -310,6 +310,15 @@ def tell_limits(
     return rest
 
 
+@kernel(lean=True, inlined=True)
+def is_any_untold(told: Array) -> bool:
+    """Whether no wall and no surface has told one of the limits (n,) yet."""
+    untold = False
+    for k in range(told.shape[0]):
+        untold |= told[k] == NO_LIMIT
+    return untold
+
+
 @kernel(lean=True)
 def note_limit(seams: Seams, number: int, i: int, first: int, last: int, limit: float) -> None:
     """Make seam `number` one of row i whose limit is known, between the angles `first` and `last`."""
@@ -335,7 +344,7 @@ def settle_seams(
         numbers[CLIMBS],
     )  # fmt: skip
     known = walls.left.angle != NO_LIMIT or walls.right.angle != NO_LIMIT
-    for halving in range(HALVINGS):
+    for halving in range(HALVINGS if is_any_untold(numbers[TOLD]) else 0):
         lay_spots(tip, heading, clearance, at_seams, least, most, spots)
         if halving == 0 and known and not tell_limits(tip, heading, clearance, spots, seams, walls):
             break
