@@ -248,7 +248,7 @@ def ask_elsewhere(
 
 
 class RowShares(NamedTuple):
-    """What `Room` has of rows, and of one of them the shares (n,) at the angles in front and where these change (n,)."""
+    """What `Room` has of rows, and of one of them the shares (n,) at the angles in front and where they change."""
 
     rows: Array
     weights: Array
@@ -403,6 +403,8 @@ def contact_of_rows(
         front_end, back_begin = min(ANGLES // 2 + behind, last), last - behind
         line[front_end:back_begin] = ELSEWHERE  # nothing advances there; rounding may leave one to be sampled
         for begin, end in ((0, front_end), (back_begin, last)):
+            if begin == end:
+                continue
             places = places_at(room, begin, end)
             lay_places(part_of(circle, begin, end), ring, heading, columns, places)
             if climb > 0.0:

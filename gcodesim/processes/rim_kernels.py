@@ -175,25 +175,15 @@ def read_heights(field: Field, line: RimLine, heights: Array) -> None:
         heights[k] = highest_at(field, i, j)
 
 
-@kernel(lean=True)
-def read_profile(
-    field: Field, tip: Array, heading: Heading, ahead: float, row: RimRow, about: float, profile: EdgeProfile
-) -> bool:
-    """Read columns near the line across the way that is so far `ahead` [m] of the tip, from about there on inwards.
-
-    Returns whether they may show anything of the row; if not, only their heights are read.
-    """
-    line = line_across_way(field, tip, heading, ahead, row, about)
-    read_heights(field, line, profile.heights)
-    if not may_cross(profile.heights, row.height):
-        return False
+@kernel(lean=True, inlined=True)
+def place_columns(field: Field, tip: Array, heading: Heading, line: RimLine, profile: EdgeProfile) -> None:
+    """Where the columns of a line across the way are, seen from the tip; `read_heights` says how high."""
     for k in range(SEEN):
         i, j = column_on(line, k)
         x, y = middle_of(field, i, j)
         own_x, own_y = x - tip[0], y - tip[1]
         profile.aheads[k] = own_x * heading.ux + own_y * heading.uy
         profile.asides[k] = own_x * line.out_x + own_y * line.out_y
-    return True
 
 
 @kernel(lean=True, inlined=True)
@@ -307,10 +297,12 @@ def see_rim(
     field: Field, pieces: Array, tip: Array, heading: Heading, clearance: Clearance, ahead: float, row: RimRow,
     about: float, profile: EdgeProfile,
 ) -> RimSight:  # fmt: skip
-    """The outermost place up to about there, inside the rim, where the surface crosses a row; so far `ahead` [m]."""
+    """The outermost place up to about there, inside the rim, where the surface of a profile crosses a row.
+
+    The profile is that so far `ahead` [m] of the tip, and has its heights already.
+    """
+    place_columns(field, tip, heading, line_across_way(field, tip, heading, ahead, row, about), profile)
     radius, at, heights = row.radius, profile.asides, profile.heights
-    if not read_profile(field, tip, heading, ahead, row, about, profile):
-        return RimSight(False, 0.0, False)
     for k in range(SEEN - 1):
         if at[k + 1] >= about:
             continue
@@ -359,6 +351,9 @@ def rim_on_arc(
     place[0], place[1], place[2] = tip[0] + ux * ahead - uy * aside, tip[1] + uy * ahead + ux * aside, tip[2]
     there = Heading(ux * cosine - uy * sine, uy * cosine + ux * sine, level, climb, turn)
     at_rim = ahead_of(row, heading, np.sqrt(front * front - inner * inner))
+    read_heights(field, line_across_way(field, place, there, 0.0, at_rim, about), profile.heights)
+    if not may_cross(profile.heights, at_rim.height):
+        return no_limit(), False
     seen = see_rim(field, pieces, place, there, clearance, 0.0, at_rim, about, profile)
     if not seen.known:
         return no_limit(), False
@@ -389,7 +384,8 @@ def rim_limit(
 ) -> tuple[ContactLimit, bool]:  # fmt: skip
     """The limit of a row at a surface not far inside of about there, and whether material is outside it.
 
-    Columns as far as `front` [m] from the axis have not been cut by the tool.
+    Columns as far as `front` [m] from the axis have not been cut by the tool. On a straight way `may_have_rim` has
+    been asked before, which leaves in `line` the heights that are looked at first.
     """
     profile, inner = profile_of(line), max(about - DEEPEST * clearance.aside, 0.0)
     if heading.turn != 0.0:
@@ -405,6 +401,9 @@ def rim_limit(
         return ContactLimit(angle, near, aside, line[side], row.tip), seen.full
     far = near + BASE * clearance.aside
     at_rim = ahead_of(row, heading, far)
+    read_heights(field, line_across_way(field, tip, heading, far, at_rim, about), profile.heights)
+    if not may_cross(profile.heights, at_rim.height):
+        return no_limit(), False
     other = see_rim(field, pieces, tip, heading, clearance, far, at_rim, about, profile)
     slope = row.side * (other.aside - seen.aside) / (far - near)
     if not other.known or other.full != seen.full or abs(slope) > STRAIGHT:
