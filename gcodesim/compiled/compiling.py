@@ -46,10 +46,11 @@ def _compile_entry(kernel: Kernel, arguments: Arguments, symbol: str, *, movable
 
     from gcodesim.compiled.entry import build_entry
     from gcodesim.compiled.object_code import ObjectCode, signature_of
+    from gcodesim.compiled.shortcuts import taken
 
     part = _part_of(kernel)
     types = tuple(_type_of(numba, argument) for argument in arguments)
-    with global_compiler_lock:
+    with global_compiler_lock, taken():
         part.compile(types)
         made = part.overloads[types]
         module = build_entry(made, arguments, symbol)
@@ -62,15 +63,9 @@ def _compile_entry(kernel: Kernel, arguments: Arguments, symbol: str, *, movable
             library.add_linking_library(rtsys.library)
         library.add_linking_library(_memory())  # behind those that call it
         library.add_ir_module(module)
-        library.finalize()
-        final = library._final_module
-        wanted = []
-        for thing in (*final.functions, *final.global_variables):
-            if not thing.is_declaration:
-                if not thing.name.startswith(symbol):
-                    thing.linkage = "internal"
-            elif not thing.name.startswith("llvm."):
-                wanted.append(thing.name)
+        final = library.link_all(symbol)
+        things = (*final.functions, *final.global_variables)
+        wanted = [thing.name for thing in things if thing.is_declaration and not thing.name.startswith("llvm.")]
         machine = codegen.movable if movable else codegen._tm
         return ObjectCode(symbol, signature_of(kernel, arguments), tuple(wanted), machine.emit_object(final))
 
@@ -93,7 +88,23 @@ def part_of(kernel: Kernel) -> Any:
 def _part_of(kernel: Kernel) -> Any:
     """The kernel as others call it, which Python cannot call."""
     options = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True, "forceinline": kernel.inlined}
-    return _jit(kernel, _compilers()["part", kernel.lean], **options)
+    made = _jit(kernel, _compilers()["part", kernel.lean], **options)
+    made.__class__ = _part_dispatcher()
+    return made
+
+
+@cache
+def _part_dispatcher() -> Any:
+    """A dispatcher that compiles once for a type; numba would do it anew for each number that is written in a call."""
+    from numba.core.registry import CPUDispatcher
+
+    unliteral = _numba().types.unliteral
+
+    class PartDispatcher(CPUDispatcher):  # type: ignore[misc]
+        def get_call_template(self, args: Any, kws: Any) -> Any:
+            return super().get_call_template(tuple(map(unliteral, args)), {k: unliteral(v) for k, v in kws.items()})
+
+    return PartDispatcher
 
 
 def _jit(kernel: Kernel, compiler: Any, **options: bool) -> Any:
@@ -157,10 +168,52 @@ def _codegen() -> Any:
     from numba.core.codegen import JITCodeLibrary, JITCPUCodegen
 
     class Library(JITCodeLibrary):  # type: ignore[misc]
-        def _finalize_final_module(self) -> None:
+        """The code of one part, or of an entry with all parts that it needs.
+
+        Parts are left as they are: linked and optimised once, in the entry. numba would do both for each part that
+        calls others, so that what lies deep would be optimised once for each level above it.
+        """
+
+        def _optimize_functions(self, ll_module: Any) -> None:
+            ll_module.data_layout = self._codegen._data_layout
+            for function in ll_module.functions:
+                if not function.is_declaration:
+                    passes, builder = self._codegen._function_pass_manager()
+                    passes.run(function, builder)
+
+        def finalize(self) -> None:
+            self._raise_if_finalized()
+            self._finalized = True
+
+        def link_all(self, symbol: str) -> Any:
+            """The module with everything that is called from it, optimised; names that begin with `symbol` are seen.
+
+            That nobody else calls the rest is known beforehand: a function that is called once becomes a part of
+            its caller, and arguments that are always the same a part of the function.
+            """
+            for library in self._needed():
+                self._final_module.link_in(library._get_module_for_linking(), preserve=True)
+            for thing in (*self._final_module.functions, *self._final_module.global_variables):
+                if not thing.is_declaration and not thing.name.startswith(symbol):
+                    thing.linkage = "internal"
+            self._optimize_final_module()
+            self._final_module.verify()
             self._finalize_dynamic_globals()
             self._verify_declare_only_symbols()
-            self._finalized = True
+            return self._final_module
+
+        def _needed(self) -> list[Any]:
+            """All libraries behind this one, each behind those that call it: LLVM leaves out what nobody calls yet."""
+            found: dict[Any, None] = {}
+
+            def visit(library: Any) -> None:
+                for other in reversed(library._linking_libraries):
+                    if other not in found:
+                        visit(other)
+                found[library] = None
+
+            visit(self)
+            return list(reversed(found))[1:]
 
     class Codegen(JITCPUCodegen):  # type: ignore[misc]
         _library_class = Library

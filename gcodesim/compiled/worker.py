@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import gc
-import re
+import os
 import sys
 from pathlib import Path
 from typing import Final
@@ -13,8 +13,8 @@ from gcodesim.compiled.known import kernel_of
 from gcodesim.compiled.object_code import compile_and_keep, symbol_of
 from gcodesim.compiled.target import choose
 
-_OBJECTS: Final = 20_000
-"""New objects of Python after which the collector of garbage looks at them; usually 700.
+_OBJECTS: Final = (200_000, 5, 5)
+"""After how many new objects of Python the collector of garbage looks at them; usually 700.
 
 A kernel is millions of objects, most of which live until it is compiled.
 """
@@ -24,13 +24,14 @@ def work(level: str = "", objects: str = "") -> None:
     """Compile into the cache; or into files of object code in the folder `objects`, for the instructions `level`."""
     if level:
         choose(level)
-    gc.set_threshold(_OBJECTS, 10, 10)
+    gc.set_threshold(*_OBJECTS)
+    os.environ["NUMBA_DISABLE_ERROR_MESSAGE_HIGHLIGHTING"] = "1"  # colours in texts that nearly nobody reads
     for line in sys.stdin:
         try:
             _compile(line.rstrip("\n"), objects)
             answer = ""
         except Exception as error:  # of numba: it is told by the process that needs the kernel
-            answer = re.sub(r"\x1b\[[0-9;]*m", "", f"{type(error).__name__}: {error}").replace("\n", " ")  # no colours
+            answer = f"{type(error).__name__}: {error}".replace("\n", " ")
         print(answer, flush=True)
 
 

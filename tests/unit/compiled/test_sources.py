@@ -16,6 +16,7 @@ FILES = {
     "compiled/compiling.py": "1",
     "compiled/entry.py": "1",
     "compiled/memory.py": "1",
+    "compiled/shortcuts.py": "1",
     "compiled/target.py": "1",
     "compiled/known.py": "1",
     "a/__init__.py": "",
