@@ -40,6 +40,7 @@ from gcodesim.processes.milling_kernels import (
     FREEDOM,
     LEAST_LEVEL,
     LEAST_SPEED,
+    TURN,
     MillingTool,
     Way,
     flat_way,
@@ -94,6 +95,7 @@ class Bite(NamedTuple):
     slope: float  # on which it may come down freely
     feed: Array
     hold: float
+    turn: float  # [1/m] of the way, to the left
 
 
 @kernel(lean=True)
@@ -134,7 +136,7 @@ def wrench_on_way(field: Field, bite: Bite, v: Array, room: Room, result: Array)
         result[:] = 0.0
         return THINNEST
     level = flat / speed if flat > LEAST_LEVEL * speed else 0.0
-    heading = Heading(ux, uy, level, v[2] / speed, 0.0)
+    heading = Heading(ux, uy, level, v[2] / speed, bite.turn)
     chip = min(speed / bite.teeth_rate, bite.most)
     cutting_force(field, bite.teeth, bite.place, heading, chip, bite.top, room, result)
     if chip > bite.told and result[0] * v[0] + result[1] * v[1] + result[2] * v[2] > 0.0:
@@ -291,7 +293,8 @@ def balance(
     slope = HOLLOW if told[2] >= -LEAST_ADVANCE * speed else 0.0
     hold = cut.hold if state.numbers[CUTTING] > 0.0 else 0.0
     bite = Bite(
-        tool.teeth, way.before, np.empty(3), cut.time, told, top, cut.teeth_rate, chip, most, slope, cut.feed, hold
+        tool.teeth, way.before, np.empty(3), cut.time, told, top, cut.teeth_rate, chip, most, slope, cut.feed, hold,
+        state.turn[TURN],
     )
     kept = (np.empty(RESULT), np.empty(3), np.empty(RESULT), np.empty((2, 2)))
     chip, fall = solve_way(field, bite, give, v, room, kept, result)

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from gcodesim.arithmetic.matrices import applied, multiplied
 from gcodesim.frozen import frozen
 from gcodesim.material.tilted import tilted_frame
-from gcodesim.processes.leaning import felt_in, memory_of, part_of
+from gcodesim.processes.leaning import felt_in, memory_of, part_of, told_way_in
 from gcodesim.processes.leaning_force import in_frame, seen_by
 
 if TYPE_CHECKING:
@@ -31,14 +31,15 @@ Array = NDArray[np.float64]
 class FreeStep:
     """A step of `dt` [s] in m parts, each with its `share` (m,) of it, as the tip would make it alone: `motion`.
 
-    `told` (m, 3) [m/s] is the velocity of the command, `piece_share` (c, 2) where in the step each piece begins and
-    ends. A wrench moves the tip by `response` (3, 6) of it besides. `leans`: the tool does not stand upright.
+    `told` (m, 3) [m/s] is the velocity of the command, `begin` (c, 3) [m] where its pieces begin, `piece_share` (c, 2)
+    where in the step each begins and ends. A wrench moves the tip by `response` (3, 6) of it besides. `leans`: the tool does not stand upright.
     """
 
     motion: Motion
     dt: float
     share: Array
     told: Array
+    begin: Array
     piece_share: Array
     response: Array
     leans: bool
@@ -52,7 +53,7 @@ class FreeWay(NamedTuple):
 
 
 def free_way(process: Milling, stock: Stock, step: FreeStep, state: ProcessState) -> FreeWay:
-    """Solve the parts of a step one after another. Stock and state stay as they are."""
+    """Solve the parts of a step one after another. The stock stays as it is, and so does what `mill` keeps."""
     motion = step.motion
     starts, ends, velocity = motion.starts.copy(), motion.ends.copy(), motion.velocity.copy()
     wrench, felt, off, begin = np.zeros((len(step.share), 6)), np.array(felt_in(state.values)), np.zeros(3), 0.0
@@ -87,12 +88,18 @@ def _part_way(
     """
     from gcodesim.processes.balance_kernels import FreeCut, Give, balance
     from gcodesim.processes.force_kernels import RESULT
+    from gcodesim.processes.swing_kernels import follow_told
 
     values, kept = state.values.copy(), memory_of(state.values)
     frame = tilted_frame(alone.axis[0]) if step.leans else np.eye(3)
     back = np.ascontiguousarray(frame.T)
     local = in_frame(alone, frame) if step.leans else alone
     bend = applied(back, kept.delta) if step.leans else np.array(kept.delta)
+    if step.leans:
+        memory_of(values).turn[:] = 0.0
+    else:
+        begin = np.ascontiguousarray(step.begin[step.motion.first_piece[part]])
+        follow_told(begin, np.ascontiguousarray(step.told[part]), stock.cell, told_way_in(state.values), values)
     field: Field | None = seen_by(process, stock, local, frame, bend) if step.leans else stock.view(alone.axis[0])
     nothing = np.zeros(3), np.zeros(6), alone.velocity[0]
     if field is None:

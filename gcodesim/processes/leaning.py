@@ -101,6 +101,13 @@ def felt_in(values: Array) -> Array:
     return values[STATE : STATE + 6]
 
 
+def told_way_in(values: Array) -> Array:
+    """A view of what is kept of the commanded way (TOLD,), see `swing_kernels.follow_told`."""
+    from gcodesim.processes.milling_kernels import STATE
+
+    return values[STATE + 6 :]
+
+
 def bend_of(values: Array) -> Array:
     """A copy of the bend (3,) [m] of the tip in the state of the process."""
     return np.array(memory_of(values).delta)

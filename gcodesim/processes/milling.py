@@ -142,9 +142,9 @@ class Milling(Process):
 
     def begin(self) -> ProcessState:
         """State of a tool that was just put in; if it stands in material, it cuts nothing until it has left it."""
-        from gcodesim.processes.milling_kernels import STATE
+        from gcodesim.processes.swing_kernels import KEPT
 
-        return ProcessState(values=np.zeros(STATE + 6))  # and the mean wrench of the last step
+        return ProcessState(values=np.zeros(KEPT))
 
     @cached_property
     def zone(self) -> Zone:

@@ -71,6 +71,7 @@ class MillingLoop:
             dt=dt,
             share=self._turns.share[here],
             told=step.velocity,
+            begin=self._motion.starts[first : first + len(step.starts)],
             piece_share=share[first : first + len(step.starts)],
             response=response,
             leans=bool(self._leaning.parts[here].any()),

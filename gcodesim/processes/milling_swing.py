@@ -37,12 +37,16 @@ def milled_swinging(
     motion = packed_motion(window, turns, stock.cell)
     motion = motion._replace(velocity=motion.velocity.copy())
     share = np.tile([0.0, 1.0], (len(motion.starts), 1)) if window.piece_share is None else window.piece_share
+    goes = np.diff(motion.first_piece) > 0
+    begin = np.zeros((len(turns.step), 3))
+    begin[goes] = motion.starts[motion.first_piece[:-1][goes]]
     parts = SwingParts(
         step=np.array(turns.step, dtype=np.int64),
         share=np.array(turns.share, dtype=float),
         told=motion.velocity.copy(),
+        begin=begin,
         piece_share=np.array(share, dtype=float, order="C"),
-        feels=(process.law is not None) & (motion.spindle > 0.0) & ~motion.rapid,
+        feels=goes & (process.law is not None) & (motion.spindle > 0.0) & ~motion.rapid,
     )
     leave(state.values)
     out, stop = np.zeros((len(parts.step), m.OUTPUTS)), np.zeros(STOP)

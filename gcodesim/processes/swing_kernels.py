@@ -19,6 +19,7 @@ from gcodesim.processes.engagement_kernels import Room
 from gcodesim.processes.force_kernels import RESULT
 from gcodesim.processes.milling_kernels import (
     ENGAGED,
+    LEAST_SPEED,
     STATE,
     WRENCH,
     Bench,
@@ -26,6 +27,7 @@ from gcodesim.processes.milling_kernels import (
     Motion,
     State,
     Way,
+    follow_turn,
     mill_steps,
     new_trial,
     state_of,
@@ -56,16 +58,23 @@ class Swings(NamedTuple):
 class SwingParts(NamedTuple):
     """The parts (m,) of n steps, see `Turns`: the `step` (m,) of each, and the `share` (m,) of it that the part takes.
 
-    `told` (m, 3) [m/s] is the velocity of the command, `piece_share` (c, 2) where in its step each piece begins and
-    ends; `feels` (m,): there may be chips.
+    `told` (m, 3) [m/s] is the velocity of the command, and `begin` (m, 3) [m] where it begins; `piece_share` (c, 2)
+    where in its step each piece begins and ends; `feels` (m,): there are pieces, and there may be chips.
     """
 
     step: Indices
     share: Array
     told: Array
+    begin: Array
     piece_share: Array
     feels: NDArray[np.bool_]
 
+
+TOLD = 8
+"""Numbers that are kept of the commanded way: its turn, see `State`, and its level direction."""
+
+KEPT = STATE + 6 + TOLD
+"""Numbers that milling keeps: those of `State`, the mean wrench of the step before, and the commanded way."""
 
 STOP = 18
 """Numbers that `mill_swinging` keeps where it has to stop."""
@@ -88,16 +97,38 @@ class SwingRoom(NamedTuple):
     values: Array  # (STATE,)
     ends: Array  # (2, 3)
     more: Array  # (3, 6)
+    way: Array  # (TOLD,) of the command
 
 
 @kernel
-def swing_room(joints: int, stop: Array) -> SwingRoom:
+def swing_room(joints: int, stop: Array, way: Array) -> SwingRoom:
     """Room for `joints`; what a stop in the middle of a step must not forget is in `stop` (STOP,)."""
     return SwingRoom(
         np.zeros(2 * joints), np.zeros(joints), np.zeros((3, joints)), np.zeros((3, 6)), np.zeros(3),
         stop[2:3], stop[3:6], stop[6:12], stop[12:18], np.zeros(3), np.zeros(3), np.zeros(STATE), np.zeros((2, 3)),
-        np.zeros((3, 6)),
+        np.zeros((3, 6)), way,
     )  # fmt: skip
+
+
+@kernel
+def follow_told(begin: Array, told: Array, cell: float, way: Array, values: Array) -> None:
+    """Renew the commanded `way` (TOLD,) with a part from `begin` (3,) on at the velocity `told` (3,) [m/s].
+
+    Its turn becomes that of `values` (STATE,): the look ahead along the command goes round the bore that is cut. The
+    way of a tip that swings turns by what nobody commands.
+    """
+    state, x, y = state_of(values), way[6], way[7]
+    flat = np.sqrt(told[0] * told[0] + told[1] * told[1])
+    if flat > LEAST_SPEED:
+        way[6], way[7] = told[0] / flat, told[1] / flat
+    feed_x, feed_y = state.feed[0], state.feed[1]
+    for i in range(6):
+        state.turn[i] = way[i]
+    state.feed[0], state.feed[1] = way[6], way[7]
+    follow_turn(begin, x, y, cell, state)
+    for i in range(6):
+        way[i] = state.turn[i]
+    state.feed[0], state.feed[1] = feed_x, feed_y
 
 
 @kernel(lean=True)
@@ -224,7 +255,9 @@ def lead_part(
         for r in range(3):
             motion.starts[piece, r] += room.off[r]
             motion.ends[piece, r] += room.off[r]
-    feels = b > a and parts.feels[part]
+    feels = parts.feels[part]
+    if feels:
+        follow_told(parts.begin[part], told, coarsest(field), room.way, room.values)
     if not feels or not solve_part(field, tool, motion, part, told, (dt, share), room, bench, result):
         room.last[:] = 0.0
         return
@@ -271,11 +304,10 @@ def mill_swinging(
     """Run the m parts of n steps of a machine whose gears swing; returns m, or the part for which a column had no room.
 
     In that case give columns more and call again. `motion` is that of the command, without compliance; it becomes that
-    of the tip. `stop` (STOP,) is for `mill_swinging` alone; zeros at first. values (STATE + 6,): see `State`, and the
-    mean wrench of the step before; out (m, OUTPUTS). All in S.
+    of the tip. `stop` (STOP,) is for `mill_swinging` alone; zeros at first. values (KEPT,); out (m, OUTPUTS). All in S.
     """
     joints, m = swings.drive.shape[1], parts.step.shape[0]
-    room, result, spare = swing_room(joints, stop), np.zeros(RESULT), scratch(field)
+    room, result, spare = swing_room(joints, stop, values[STATE + 6 : KEPT]), np.zeros(RESULT), scratch(field)
     desk = Bench(bench, new_trial(), np.zeros(RESULT))
     way = Way(np.empty(3), np.empty(3), np.empty(3), np.empty(3))
     state, felt, told, y = state_of(values), values[STATE : STATE + 6], np.empty(3), np.empty(2 * joints)

@@ -5,8 +5,10 @@ from __future__ import annotations
 import importlib
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+from gcodesim.units import MM
 from tests.physics.runs import run_texts
 
 ROOT = Path(__file__).parents[2]
@@ -71,6 +73,26 @@ def test_moving_gears_bear_a_bore_that_gears_without_mass_bear(tmp_path: Path) -
         force[controller], error[controller] = ran.results.tools[0]["max_force_N"], accuracy["AT_mm"]
     assert force["flexible"] < 1.2 * force[""]
     assert error["flexible"] < 1.2 * error[""]
+
+
+def test_a_deep_bore_weighs_on_moving_gears_no_more_than_on_those_without_mass(tmp_path: Path) -> None:
+    """Mean force in the lower half of a helix, whose wall stands around the whole flute: turns cut what they cut.
+
+    Material is looked for a cell ahead. Along the tangent that is within the wall of the bore, the more of it the
+    deeper: with that, the force of gears that move grew by half until the bore was 18 mm deep.
+    """
+    program = (
+        "G21 G90 G17 G94 G64 P0.02\nT1 M6\nG43 H1\nS9500 M3\nG0 X20 Y30\nG0 Z1\nG1 Z-1 F500\n"
+        "G3 X20 Y30 Z-18 I-4 J0 P7 F900\nG0 Z20\nM5\nM30\n"
+    )
+    force = {}
+    for controller in ("", "flexible, gear_damping: 8 ms"):
+        ran = run_texts(program, arm(controller), tmp_path / f"out{len(controller)}")
+        wrench = np.linalg.norm(ran.column("/wrench", "force.x", "force.y"), axis=1)
+        deep = ran.column("/motion", "z_m")[:, 0] < -9.0 * MM
+        force[controller] = wrench[deep & (wrench > 0.0)].mean()
+    plain, moving = force.values()
+    assert moving == pytest.approx(plain, rel=0.1)
 
 
 def test_a_controller_that_measures_the_milling_force_halves_the_error_of_the_path(
