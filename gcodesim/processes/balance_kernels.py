@@ -293,7 +293,18 @@ def balance(
     slope = HOLLOW if told[2] >= -LEAST_ADVANCE * speed else 0.0
     hold = cut.hold if state.numbers[CUTTING] > 0.0 else 0.0
     bite = Bite(
-        tool.teeth, way.before, np.empty(3), cut.time, told, top, cut.teeth_rate, chip, most, slope, cut.feed, hold,
+        tool.teeth,
+        way.before,
+        np.empty(3),
+        cut.time,
+        told,
+        top,
+        cut.teeth_rate,
+        chip,
+        most,
+        slope,
+        cut.feed,
+        hold,
         state.turn[TURN],
     )
     kept = (np.empty(RESULT), np.empty(3), np.empty(RESULT), np.empty((2, 2)))

@@ -32,7 +32,8 @@ class FreeStep:
     """A step of `dt` [s] in m parts, each with its `share` (m,) of it, as the tip would make it alone: `motion`.
 
     `told` (m, 3) [m/s] is the velocity of the command, `begin` (c, 3) [m] where its pieces begin, `piece_share` (c, 2)
-    where in the step each begins and ends. A wrench moves the tip by `response` (3, 6) of it besides. `leans`: the tool does not stand upright.
+    where in the step each begins and ends. A wrench moves the tip by `response` (3, 6) of it besides. `leans`: the tool
+    does not stand upright.
     """
 
     motion: Motion
@@ -104,7 +105,8 @@ def _part_way(
     nothing = np.zeros(3), np.zeros(6), alone.velocity[0]
     if field is None:
         return nothing
-    feed = np.array(kept.feed) if kept.feed.any() else np.array([1.0, 0.0])
+    told_feed = memory_of(values).feed
+    feed = np.array(told_feed) if told_feed.any() else np.array([1.0, 0.0])
     time = step.dt * float(step.share[part])
     rate = float(alone.spindle[0]) * process.packed_tool.teeth.number / (2.0 * np.pi)
     cut = FreeCut(

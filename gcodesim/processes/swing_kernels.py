@@ -20,6 +20,7 @@ from gcodesim.processes.force_kernels import RESULT
 from gcodesim.processes.milling_kernels import (
     ENGAGED,
     LEAST_SPEED,
+    SHARP,
     STATE,
     WRENCH,
     Bench,
@@ -114,8 +115,9 @@ def swing_room(joints: int, stop: Array, way: Array) -> SwingRoom:
 def follow_told(begin: Array, told: Array, cell: float, way: Array, values: Array) -> None:
     """Renew the commanded `way` (TOLD,) with a part from `begin` (3,) on at the velocity `told` (3,) [m/s].
 
-    Its turn becomes that of `values` (STATE,): the look ahead along the command goes round the bore that is cut. The
-    way of a tip that swings turns by what nobody commands.
+    Its turn becomes that of `values` (STATE,), and the feed of these, which follows the tip over a cell, turns with the
+    command: so the look ahead goes round the bore that is cut. The way of a tip that swings turns by what nobody
+    commands.
     """
     state, x, y = state_of(values), way[6], way[7]
     flat = np.sqrt(told[0] * told[0] + told[1] * told[1])
@@ -128,7 +130,10 @@ def follow_told(begin: Array, told: Array, cell: float, way: Array, values: Arra
     follow_turn(begin, x, y, cell, state)
     for i in range(6):
         way[i] = state.turn[i]
-    state.feed[0], state.feed[1] = feed_x, feed_y
+    c, s = x * way[6] + y * way[7], x * way[7] - y * way[6]
+    if c < SHARP:
+        c, s = 1.0, 0.0
+    state.feed[0], state.feed[1] = c * feed_x - s * feed_y, s * feed_x + c * feed_y
 
 
 @kernel(lean=True)
