@@ -100,7 +100,8 @@ def _part_way(
         memory_of(values).turn[:] = 0.0
     else:
         begin = np.ascontiguousarray(step.begin[step.motion.first_piece[part]])
-        follow_told(begin, np.ascontiguousarray(step.told[part]), stock.cell, told_way_in(state.values), values)
+        told, turn = np.ascontiguousarray(step.told[part]), float(step.motion.turn[part])
+        follow_told(begin, told, turn, stock.cell, told_way_in(state.values), values)
     field: Field | None = seen_by(process, stock, local, frame, bend) if step.leans else stock.view(alone.axis[0])
     nothing = np.zeros(3), np.zeros(6), alone.velocity[0]
     if field is None:

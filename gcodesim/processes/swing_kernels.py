@@ -19,9 +19,11 @@ from gcodesim.processes.engagement_kernels import Room
 from gcodesim.processes.force_kernels import RESULT
 from gcodesim.processes.milling_kernels import (
     ENGAGED,
+    KNOWN,
     LEAST_SPEED,
     SHARP,
     STATE,
+    TURN,
     WRENCH,
     Bench,
     MillingTool,
@@ -112,12 +114,12 @@ def swing_room(joints: int, stop: Array, way: Array) -> SwingRoom:
 
 
 @kernel
-def follow_told(begin: Array, told: Array, cell: float, way: Array, values: Array) -> None:
+def follow_told(begin: Array, told: Array, turn: float, cell: float, way: Array, values: Array) -> None:
     """Renew the commanded `way` (TOLD,) with a part from `begin` (3,) on at the velocity `told` (3,) [m/s].
 
-    Its turn becomes that of `values` (STATE,), and the feed of these, which follows the tip over a cell, turns with the
-    command: so the look ahead goes round the bore that is cut. The way of a tip that swings turns by what nobody
-    commands.
+    `turn` [1/m] is how much it turns, NaN where that has to be followed; it becomes that of `values` (STATE,), whose
+    feed, which follows the tip over a cell, turns with the command: so the look ahead goes round the bore that is cut.
+    The way of a tip that swings turns by what nobody commands.
     """
     state, x, y = state_of(values), way[6], way[7]
     flat = np.sqrt(told[0] * told[0] + told[1] * told[1])
@@ -127,7 +129,10 @@ def follow_told(begin: Array, told: Array, cell: float, way: Array, values: Arra
     for i in range(6):
         state.turn[i] = way[i]
     state.feed[0], state.feed[1] = way[6], way[7]
-    follow_turn(begin, x, y, cell, state)
+    if np.isnan(turn):
+        follow_turn(begin, x, y, cell, state)
+    else:
+        state.turn[TURN], state.turn[KNOWN] = turn, 0.0
     for i in range(6):
         way[i] = state.turn[i]
     c, s = x * way[6] + y * way[7], x * way[7] - y * way[6]
@@ -262,7 +267,7 @@ def lead_part(
             motion.ends[piece, r] += room.off[r]
     feels = parts.feels[part]
     if feels:
-        follow_told(parts.begin[part], told, coarsest(field), room.way, room.values)
+        follow_told(parts.begin[part], told, motion.turn[part], coarsest(field), room.way, room.values)
     if not feels or not solve_part(field, tool, motion, part, told, (dt, share), room, bench, result):
         room.last[:] = 0.0
         return
