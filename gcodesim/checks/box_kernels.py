@@ -19,15 +19,11 @@ SLACK = 1e-9  # [m] for rounding, in favour of looking exactly
 CORNERS = 3  # of a triangle
 
 
-class Boxes(NamedTuple):
-    """A box around each node of a forest, along axes of its carrier's frame: `middle` and `half` its sides (n, 3)."""
+class SeenFrame(NamedTuple):
+    """How the frame of one body is seen from that of another.
 
-    middle: Array
-    half: Array
-
-
-class Sight(NamedTuple):
-    """How one body is seen from another: `turn` (3, 3), its size without signs `size` (3, 3), and `shift` (3,) [m]."""
+    `turn` (3, 3), the same without signs `size` (3, 3), and `shift` (3,) [m].
+    """
 
     turn: Array
     size: Array
@@ -35,27 +31,7 @@ class Sight(NamedTuple):
 
 
 @kernel
-def fill_boxes(forest: Forest, bodies: Convexes, boxes: Boxes) -> None:
-    """Fill `boxes` (n, 3) from the leaves on; a node stands before its parts."""
-    middle, half = boxes
-    for i in range(forest.radius.shape[0] - 1, -1, -1):
-        body = forest.convex[i]
-        for c in range(3):
-            low, high = forest.centre[i, c] - forest.radius[i], forest.centre[i, c] + forest.radius[i]
-            if forest.left[i] >= 0:
-                a, b = forest.left[i], forest.right[i]
-                low = min(middle[a, c] - half[a, c], middle[b, c] - half[b, c])
-                high = max(middle[a, c] + half[a, c], middle[b, c] + half[b, c])
-            elif bodies.round[body] == 0:
-                low, high = math.inf, -math.inf
-                for k in range(bodies.first[body], bodies.first[body] + bodies.many[body]):
-                    low, high = min(low, bodies.points[k, c]), max(high, bodies.points[k, c])
-                low, high = low - bodies.grown[body], high + bodies.grown[body]
-            middle[i, c], half[i, c] = 0.5 * (low + high), 0.5 * (high - low)
-
-
-@kernel
-def see(Xa: Array, Xb: Array, sight: Sight) -> None:
+def see(Xa: Array, Xb: Array, sight: SeenFrame) -> None:
     """How the frame `Xb` (4, 4) is seen from `Xa`."""
     for r in range(3):
         sight.shift[r] = 0.0
@@ -67,10 +43,10 @@ def see(Xa: Array, Xb: Array, sight: Sight) -> None:
 
 
 @kernel
-def boxes_apart(i: int, j: int, limit: float, boxes: Boxes, sight: Sight) -> bool:
+def boxes_apart(i: int, j: int, limit: float, forest: Forest, sight: SeenFrame) -> bool:
     """Whether a face of one of two boxes keeps the other farther away than `limit` [m]."""
     turn, size, shift = sight
-    middle, half = boxes
+    middle, half = forest.centre, forest.half
     enough = limit + SLACK
     x = shift[0] - middle[i, 0] + turn[0, 0] * middle[j, 0] + turn[0, 1] * middle[j, 1] + turn[0, 2] * middle[j, 2]
     y = shift[1] - middle[i, 1] + turn[1, 0] * middle[j, 0] + turn[1, 1] * middle[j, 1] + turn[1, 2] * middle[j, 2]
@@ -90,7 +66,7 @@ def boxes_apart(i: int, j: int, limit: float, boxes: Boxes, sight: Sight) -> boo
 
 
 @kernel
-def plane_parts(a: int, b: int, limit: float, bodies: Convexes, sight: Sight, seen_back: bool) -> bool:
+def plane_parts(a: int, b: int, limit: float, bodies: Convexes, sight: SeenFrame, seen_back: bool) -> bool:
     """Whether the plane of the triangle `a` has all corners of `b` on one side, farther away than `limit` [m].
 
     `sight` is that of the frame of `b` from that of `a`, or, `seen_back`, the other way round.
@@ -128,7 +104,7 @@ def plane_parts(a: int, b: int, limit: float, bodies: Convexes, sight: Sight, se
 
 @kernel
 def boxes_come_near(
-    pair: Ints, limit: float, forest: Forest, bodies: Convexes, boxes: Boxes, sight: Sight, walk: Walk, gaps: GapRoom,
+    pair: Ints, limit: float, forest: Forest, bodies: Convexes, sight: SeenFrame, walk: Walk, gaps: GapRoom,
     n: Array,
 ) -> bool:  # fmt: skip
     """Whether two bodies at the poses of `walk` are nearer than `limit` [m], as `meeting_kernels.come_near` says."""
@@ -138,7 +114,7 @@ def boxes_come_near(
     top = 0
     while top >= 0:
         i, j = nodes[top, 0], nodes[top, 1]
-        if boxes_apart(i, j, limit, boxes, sight):
+        if boxes_apart(i, j, limit, forest, sight):
             top -= 1
         elif left[i] < 0 and left[j] < 0:
             a, b = forest.convex[i], forest.convex[j]

@@ -173,7 +173,7 @@ class MovingBodies:
         if not len(self.pairs) or not len(q):
             return np.full(len(q), -1, dtype=np.int64)
         scene, walk, rooms = self._room(JointWay(np.ascontiguousarray(q, dtype=float), np.zeros((0, q.shape[1]))))
-        found: NDArray[np.int64] = touching(self._roots, -TOUCH, scene, self._woods.boxes, walk, rooms)
+        found: NDArray[np.int64] = touching(self._roots, -TOUCH, scene, walk, rooms)
         return found
 
     def least_gap(self, way: JointWay, *, tolerance: float = 5e-6) -> float:

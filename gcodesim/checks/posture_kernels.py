@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from gcodesim.checks.box_kernels import Boxes, Sight, boxes_come_near
+from gcodesim.checks.box_kernels import SeenFrame, boxes_come_near
 from gcodesim.checks.gap_kernels import Convexes, GapRoom, Ints
 from gcodesim.checks.meeting_kernels import Forest, Walk
 from gcodesim.checks.way_kernels import Couple, JointTree, WayColumns, WayRoom, seen_from
@@ -17,14 +17,13 @@ def touching(
     pairs: Ints,
     level: float,
     scene: tuple[Couple, JointTree, WayColumns, Forest, Convexes],
-    boxes: Boxes,
     walk: Walk,
     rooms: tuple[WayRoom, GapRoom],
 ) -> Ints:
     """Which of `pairs` (p, 2), roots of trees, is the first below `level` [m] at each row of the way's q; -1: none."""
     couple, chain, way, forest, bodies = scene
     room, gaps = rooms
-    sight = Sight(np.zeros((3, 3)), np.zeros((3, 3)), np.zeros(3))
+    sight = SeenFrame(np.zeros((3, 3)), np.zeros((3, 3)), np.zeros(3))
     out = np.full(way.q.shape[0], -1, dtype=np.int64)
     for k in range(way.q.shape[0]):
         for j in range(way.q.shape[1]):
@@ -33,7 +32,7 @@ def touching(
         for p in range(pairs.shape[0]):
             seen_from(room.frames, couple.common[p], couple.first[p], walk.Xa)
             seen_from(room.frames, couple.common[p], couple.second[p], walk.Xb)
-            if boxes_come_near(pairs[p], level, forest, bodies, boxes, sight, walk, gaps, room.n):
+            if boxes_come_near(pairs[p], level, forest, bodies, sight, walk, gaps, room.n):
                 out[k] = p
                 break
     return out

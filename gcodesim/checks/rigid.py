@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from functools import cached_property
 from itertools import product
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,9 +19,6 @@ from gcodesim.checks.meeting_kernels import Forest
 from gcodesim.frames import Array, Pose
 from gcodesim.frozen import frozen
 from gcodesim.solids import Box, Hulls, Mesh, Placed, Sphere, Triangles, outline_of
-
-if TYPE_CHECKING:
-    from gcodesim.checks.box_kernels import Boxes
 
 _CONVEX: Final = 1e-9  # of its size a mesh may be dented and still be convex
 _MOST_PRODUCTS: Final = 20_000_000  # of faces and points, to find out whether a mesh is convex
@@ -262,15 +259,6 @@ class Woods:
         deepest = (int(many.max()) - 1).bit_length() + 1  # halves of halves
         owner = np.repeat(np.arange(len(bodies)), many)
         return Woods(_joined([body.convexes for body in bodies]), forest, root, deepest, far, owner)
-
-    @cached_property
-    def boxes(self) -> Boxes:
-        """Boxes around all nodes of the forest."""
-        from gcodesim.checks.box_kernels import Boxes, fill_boxes
-
-        boxes = Boxes(np.zeros_like(self.forest.centre), np.zeros_like(self.forest.centre))
-        fill_boxes(self.forest, self.convexes, boxes)
-        return boxes
 
 
 def _forest_of(bodies: Sequence[RigidBody], many: NDArray[np.int64]) -> tuple[Forest, NDArray[np.int64]]:

@@ -79,16 +79,16 @@ def test_what_touches_is_what_a_search_finds(seed):
 def test_boxes_hold_what_they_stand_for():
     bodies, _ = drawn(np.random.default_rng(9))
     woods = Woods.of(bodies)
-    boxes, forest, convexes = woods.boxes, woods.forest, woods.convexes
+    forest, convexes = woods.forest, woods.convexes
     for node in np.flatnonzero(forest.left < 0):
         body = forest.convex[node]
         if convexes.round[body]:
             continue
         points = convexes.points[convexes.first[body] : convexes.first[body] + convexes.many[body]]
-        away = np.abs(points - boxes.middle[node]) + convexes.grown[body] - boxes.half[node]
+        away = np.abs(points - forest.centre[node]) + convexes.grown[body] - forest.half[node]
         assert away.max() < 1e-15
     inner = np.flatnonzero(forest.left >= 0)
     for parts in (forest.left, forest.right):
         part = parts[inner]
-        away = np.abs(boxes.middle[part] - boxes.middle[inner]) + boxes.half[part] - boxes.half[inner]
+        away = np.abs(forest.centre[part] - forest.centre[inner]) + forest.half[part] - forest.half[inner]
         assert away.max() < 1e-15

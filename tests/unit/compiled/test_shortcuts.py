@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -43,7 +44,8 @@ def both(values: Any) -> float:
     return unused(values) + most(values)
 
 
-def test_a_kernel_is_compiled_once_for_a_type() -> None:
+def test_a_kernel_is_compiled_once_for_a_type(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))  # nothing of it is kept
     assert items(np.array([1.0, 2.0, 4.0]), 2) == 7.0
     assert len(compiling._part_of(item).overloads) == 1
 
