@@ -7,6 +7,7 @@ import time
 from collections.abc import Generator, Iterable, Iterator
 from dataclasses import replace
 from pathlib import Path
+from typing import ClassVar
 
 from gcodesim import canon
 from gcodesim.canon.batch import MoveBatch
@@ -24,7 +25,7 @@ from gcodesim.rs274.execute import execute, execute_move, is_plain_move
 from gcodesim.rs274.expressions import checked, names_in
 from gcodesim.rs274.fault import Fault
 from gcodesim.rs274.flow import FlowControl, Stopped
-from gcodesim.rs274.lanes import Lanes
+from gcodesim.rs274.lanes import Lanes, PlainLanes
 from gcodesim.rs274.length_words import length_words
 from gcodesim.rs274.machine_codes import heard, load_first_tool
 from gcodesim.rs274.odd_numbers import odd_numbers
@@ -122,6 +123,9 @@ def executor_of(source: SourceText, settings: Settings) -> Executor:
 class Executor:
     """One execution of a run."""
 
+    is_quick: ClassVar[bool] = True
+    """Whether all that programs are mostly made of may come thousands of lines at a time."""
+
     def __init__(self, run: Run) -> None:
         settings = run.settings
         self.run = run
@@ -148,13 +152,17 @@ class Executor:
         self.probes_meet = True  # what is taken for granted while nobody says where probes trip
         self.told: dict[tuple[str, str], set[tuple[str, int, int]]] = {}  # where each message was given
         self.kinds: dict[str, set[str]] = {}  # messages of the warnings with one code
-        self.lanes = Lanes(run.source, settings, self.control, self.flow) if type(self) is Executor else None
+        self.lanes = self._own_lanes()
         rounds = _MOST_ROUNDS * len(run.source.lines)
-        self.most_blocks = (_MOST_SLOW_BLOCKS if self.lanes is None else _MOST_BLOCKS) + rounds
+        self.most_blocks = (_MOST_BLOCKS if self.is_quick else _MOST_SLOW_BLOCKS) + rounds
         self.events_left: float = _MOST_EVENTS + rounds
         if settings.max_blocks is not None:
             self.most_blocks, self.events_left = settings.max_blocks, math.inf
         self.endless = Endless(self.control, self.flow, lines=len(run.source.lines), limit=self.most_blocks)
+
+    def _own_lanes(self) -> Lanes | None:
+        """The compiled lane that knows this language, if there is one."""
+        return PlainLanes(self.run.source, self.settings, self.control, self.flow)
 
     @property
     def folders(self) -> tuple[Path, ...]:

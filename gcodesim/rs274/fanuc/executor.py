@@ -7,6 +7,7 @@ from typing import ClassVar
 
 from gcodesim import canon
 from gcodesim.diagnostics import Diagnostic, SourceText, Span
+from gcodesim.diagnostics.text import LONG
 from gcodesim.rs274.block import Block
 from gcodesim.rs274.dialects.linuxcnc import CANCEL, MOTION, STOPPING
 from gcodesim.rs274.fanuc import corners
@@ -17,13 +18,13 @@ from gcodesim.rs274.fanuc.execute import execute
 from gcodesim.rs274.fanuc.expressions import number_of, value_of
 from gcodesim.rs274.fanuc.flow import FanucFlow, ModalCall
 from gcodesim.rs274.fanuc.increments import in_increments, rounded
-from gcodesim.rs274.fanuc.lanes import FanucLanes
 from gcodesim.rs274.fanuc.program import FanucFile, sequence_of
 from gcodesim.rs274.fanuc.vectors import BY_VECTOR
 from gcodesim.rs274.fault import Fault
 from gcodesim.rs274.flow import Stopped
+from gcodesim.rs274.lanes import LONG_IN_CELL, WORTH_COMPILING, Lane, Lanes, LongLanes
 from gcodesim.rs274.program_file import ProgramFile
-from gcodesim.rs274.run import Executor, Run
+from gcodesim.rs274.run import Executor
 from gcodesim.rs274.tool_point import CENTRE_POINT
 from gcodesim.rs274.words import AXIS_LETTERS, Words, read_words
 
@@ -37,15 +38,22 @@ _NO_SCALE, _NO_MIRROR = (1.0, 1.0, 1.0), (None, None, None)
 class FanucExecutor(Executor):
     """Executes blocks with Fanuc's meaning."""
 
+    is_quick = False
     file_class: ClassVar[type[FanucFile]] = FanucFile
     file: FanucFile
     control: FanucControl
     flow: FanucFlow
 
-    def __init__(self, run: Run) -> None:
-        super().__init__(run)
-        if type(self) is FanucExecutor:  # a lathe reads otherwise
-            self.lanes = FanucLanes(self)  # type: ignore[assignment]
+    def _own_lanes(self) -> Lanes | None:
+        source = self.run.source
+        pays = len(source.raw) >= (LONG_IN_CELL if self.settings.has_cell else LONG)
+
+        def open_lane(may_compile: bool) -> Lane | None:
+            from gcodesim.rs274.fanuc.lane import FanucLane, is_ready  # imports numpy, and perhaps the compiler
+
+            return FanucLane(self) if may_compile or is_ready() else None
+
+        return LongLanes(self.settings.lane, pays, len(source.raw) >= WORTH_COMPILING, open_lane)
 
     def _parts(self, source: SourceText) -> tuple[FanucFile, FanucControl, FanucFlow]:
         file = self.file_class(source, self.reader)

@@ -46,6 +46,9 @@ class FanucLatheExecutor(FanucExecutor):
     started: bool = False
     face: FacePlane | None = None  # between G12.1 and G13.1
 
+    def _own_lanes(self) -> None:
+        return None  # its words mean something else
+
     def _halted(self) -> HaltedLathe:
         return HaltedLathe(
             control=self.control,

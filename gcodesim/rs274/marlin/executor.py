@@ -9,13 +9,14 @@ from typing import Final
 from gcodesim import canon
 from gcodesim.canon.printing import MotionLimits
 from gcodesim.diagnostics import Diagnostic, SourceText, Span
+from gcodesim.diagnostics.text import LONG
 from gcodesim.rs274.control import Control
 from gcodesim.rs274.fault import Fault
 from gcodesim.rs274.flow import FlowControl
+from gcodesim.rs274.lanes import WORTH_COMPILING, Lane, Lanes, LongLanes
 from gcodesim.rs274.marlin.codes import CODES
 from gcodesim.rs274.marlin.comments import take_comment
 from gcodesim.rs274.marlin.halted_print import HaltedPrint
-from gcodesim.rs274.marlin.lanes import PrinterLanes
 from gcodesim.rs274.marlin.limits import first_limits, first_retraction
 from gcodesim.rs274.marlin.line import MarlinLine, line_of
 from gcodesim.rs274.marlin.macros import MACROS
@@ -57,6 +58,8 @@ _NO_NOZZLE: Final = 255
 class PrinterExecutor(Executor):
     """One execution of a run of a printer's program: nothing turns, so that no rule of mills applies."""
 
+    is_quick = False
+
     def __init__(self, run: Run) -> None:
         super().__init__(run)
         self.settings = self.control.settings = replace(run.settings, loaded_tool=0)
@@ -71,9 +74,18 @@ class PrinterExecutor(Executor):
         self.diameters: dict[int, float] = {}
         tools = self.control.tools
         self._first_number = 1 if tools and 0 not in tools else 0
-        self.lanes = PrinterLanes(self)  # type: ignore[assignment]
         self._limited = bool(run.settings.limits)
         self._mounted = -1
+
+    def _own_lanes(self) -> Lanes | None:
+        size, choice = len(self.run.source.raw), self.run.settings.lane
+
+        def open_lane(may_compile: bool) -> Lane | None:
+            from gcodesim.rs274.marlin.lane import PrinterLane, is_ready  # imports numpy, and perhaps the compiler
+
+            return PrinterLane(self) if may_compile or is_ready() else None
+
+        return LongLanes(choice, size >= LONG, size >= WORTH_COMPILING, open_lane)
 
     def _parts(self, source: SourceText) -> tuple[ProgramFile, Control, FlowControl]:
         file, control = PrinterFile(source, self.reader), Control(self.settings, self.dialect)
