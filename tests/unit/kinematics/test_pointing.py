@@ -166,4 +166,4 @@ def test_what_cannot_turn_is_not_said_to_turn_too_little():
     X = lift.forward(np.zeros((1, 1)))[0]
     X[0, 3] += 0.1
     reason = PointingArm.of(lift).reason(X, np.zeros(1), Status.REACH)
-    assert why(lift, dataclasses.replace(reason, what="")).endswith("so at this place; none of them turns it")
+    assert why(lift, dataclasses.replace(reason, what=None)).endswith("so at this place; none of them turns it")
