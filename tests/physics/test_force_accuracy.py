@@ -223,7 +223,7 @@ def test_a_line_behind_an_arc_is_felt(radius, wide):
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(40))
 def test_drawn_cuts(seed):
-    """Any kind, width, depth, direction, on lines and on arcs both ways; one of 40, a flat mill on a line, is 5.03 % low."""
+    """Any kind, width, depth, direction, on lines and on arcs both ways; one, a flat mill on a line, is 5.03 % low."""
     rng = np.random.default_rng(seed)
     kind = ("flat_end_mill", "ball_end_mill", "bull_nose_end_mill")[seed % 3]
     width, depth = rng.uniform(0.3e-3, 4e-3), rng.uniform(0.5e-3, 6e-3)
