@@ -236,7 +236,7 @@ def is_within(points: Array, skin: Array) -> NDArray[np.bool_]:
     return found
 
 
-@frozen(slots=False, kw_only=False, eq=False)
+@frozen(kw_only=False, eq=False)
 class Woods:
     """Convex bodies and trees of several rigid bodies: `root` (b,), the deepest tree, and how far each reaches.
 

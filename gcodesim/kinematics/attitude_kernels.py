@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 
+from gcodesim.arithmetic.rotation_kernels import multiply
 from gcodesim.arithmetic.sin_kernels import cos_sin
 from gcodesim.compiled import kernel
 from gcodesim.frames import Array
@@ -50,7 +51,5 @@ def by_turns(values: Array, axis: Indices, word: Indices, sign: Array, out: Arra
             own[axis[t], axis[t]] = 1.0
             own[i, i], own[j, j] = cosine, cosine
             own[i, j], own[j, i] = -sine, sine
-            for r in range(3):
-                for c in range(3):
-                    product[r, c] = R[r, 0] * own[0, c] + R[r, 1] * own[1, c] + R[r, 2] * own[2, c]
+            multiply(R, own, product)
             R[:, :] = product

@@ -34,11 +34,11 @@ class Course:
         every = np.arange(len(pieces))
         _, along = pieces.points(every, 0.5 * pieces.length)
         self._rate = norms(along[:, :3])  # of way by s: s is a time in some pieces, and an angle in others
-        self._end = np.cumsum(pieces.length * self._rate)
+        self._way = pieces.length * self._rate
+        self._end = np.cumsum(self._way)
         starts, ends = self._towards(every, np.zeros(len(pieces))), self._towards(every, pieces.length)
         self._breaks = dots(ends[:-1], starts[1:]) < CORNER  # from a piece to the next
         self._turns = dots(starts, ends) < CORNER
-        self._way = pieces.length * self._rate
         self._corners: dict[float, Array] = {}
 
     def bends(self, piece: NDArray[np.int64], s: Array, onward: float) -> Bend:

@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from gcodesim.arithmetic.rotation_kernels import multiply, multiply_transposed
 from gcodesim.compiled import kernel
 from gcodesim.frames import Array
 from gcodesim.kinematics.chain import Indices
@@ -22,31 +23,15 @@ class Holding(NamedTuple):
     tool: Array
 
 
-@kernel(lean=True)
-def times(first: Array, other: Array, out: Array) -> None:
-    """Fill `out` (3, 3) with the product of two matrices, which are not `out`."""
-    for r in range(3):
-        for c in range(3):
-            out[r, c] = first[r, 0] * other[0, c] + first[r, 1] * other[1, c] + first[r, 2] * other[2, c]
-
-
-@kernel(lean=True)
-def times_transposed(first: Array, other: Array, out: Array) -> None:
-    """Fill `out` (3, 3) with `first` times the transpose of `other`, which are not `out`."""
-    for r in range(3):
-        for c in range(3):
-            out[r, c] = first[r, 0] * other[c, 0] + first[r, 1] * other[c, 1] + first[r, 2] * other[c, 2]
-
-
 @kernel
 def lean_frames(attitudes: Array, rows: Indices, holding: Holding, out: Array) -> None:
     """Frames O `out` (k, 3, 3) in B, leaned by `attitudes` (k, 3, 3) about the axes of their `rows` (k,)."""
     one, two = np.empty((3, 3)), np.empty((3, 3))
     for i in range(rows.shape[0]):
         axes = holding.axes[rows[i]]
-        times(axes, attitudes[i], one)
-        times_transposed(one, axes, two)
-        times(two, holding.R_BO[rows[i]], out[i])
+        multiply(axes, attitudes[i], one)
+        multiply_transposed(one, axes, two)
+        multiply(two, holding.R_BO[rows[i]], out[i])
 
 
 @kernel(lean=True)
@@ -54,7 +39,7 @@ def hold_tools(positions: Array, frames: Array, rows: Indices, holding: Holding,
     """X_BF `out` (k, 4, 4) with controlled points at the first three of `positions` (k, 6), in `frames` (k, 3, 3)."""
     for i in range(rows.shape[0]):
         R, X, offset = frames[i], out[i], holding.offset[rows[i]]
-        times(R, holding.tool, X)
+        multiply(R, holding.tool, X)
         for r in range(3):
             X[r, 3] = positions[i, r] + (R[r, 0] * offset[0] + R[r, 1] * offset[1] + R[r, 2] * offset[2])
         X[3, 0], X[3, 1], X[3, 2], X[3, 3] = 0.0, 0.0, 0.0, 1.0

@@ -79,9 +79,6 @@ SHARPEST_TURN: Final = 1.5
 SAME_TURN: Final = 0.1
 """Share by which a sharp turn may change along twice that way."""
 
-LEAST_TURN: Final = 0.5
-"""[1/m] that counts."""
-
 UPRIGHT: Final = 1.0 - 1.0e-9
 """Share of an axis along Z from which on a tool stands upright."""
 
@@ -432,6 +429,8 @@ def turn_ahead(window: Window, cell: float) -> Array:
 
     A sharp turn that ends soon is none: what is looked at lies behind it.
     """
+    from gcodesim.processes.milling_kernels import LEAST_TURN
+
     if window.turn is None:
         return np.full(window.steps, np.nan)
     onward = TURN_AHEAD * cell

@@ -28,8 +28,8 @@ _MANY_IN_CELL: Final = 1_500
 _BLOCKS_OF_HOLE: Final = 8
 """A block of a canned cycle costs as much as this many others."""
 
-_WORTH_COMPILING: Final = 5_000_000
-"""Bytes from which on compiling the lane, once for each version, takes little longer than doing without it."""
+_PLAIN_WORTH_COMPILING: Final = 5_000_000
+"""Bytes from which on compiling the plain lane, once for each version, takes little longer than doing without it."""
 
 WORTH_COMPILING: Final = 1_000_000
 """The same of languages whose lines take longer by themselves, or whose lane is smaller."""
@@ -92,7 +92,7 @@ class PlainLanes:
         self._control, self._flow = control, flow
         self._lane: PlainLane | None = None
         self._eager = settings.lane == "compiled"
-        self._may_compile = self._eager or len(source.raw) >= _WORTH_COMPILING
+        self._may_compile = self._eager or len(source.raw) >= _PLAIN_WORTH_COMPILING
         long, many = (LONG_IN_CELL, _MANY_IN_CELL) if settings.has_cell else (LONG, _MANY_BLOCKS)
         self._from = {"grammar": None, "compiled": 0}.get(settings.lane, 0 if len(source.raw) >= long else many)
 

@@ -30,7 +30,6 @@ _SHORT_RUN: Final = 6  # lines; below that the way through the door costs more t
 _LONGEST_PAUSE: Final = 64
 _PER_MM, _PER_INCH, _PER_DEGREE = 1000.0, 10000.0, 1000.0  # increments, as in increments.py
 _STRAIGHT: Final = (0, 10)
-_NO_SCALE, _NO_MIRROR = (1.0, 1.0, 1.0), (None, None, None)
 _REALS, _WHOLE = Argument("f8", 1), Argument("i8", 1)
 _TAKES: Final = (
     Argument("u1", 1, readonly=True),
