@@ -18,10 +18,9 @@ def branches_of_poses(family: int, X: Array, arm: PlaneArm, out: Array, flags: I
 
     Where an axis is free, because the arm is singular, it takes the value of the pose before.
     """
-    room = np.empty((3, 3, 3))
     previous = np.zeros(6)
     for k in range(X.shape[0]):
-        solve_family(family, X[k], -1, arm, previous, room, out[k], flags[k])
+        solve_family(family, X[k], -1, arm, previous, out[k], flags[k])
         for b in range(8):
             if flags[k, b] > 0:
                 copy_row(out[k, b], previous)

@@ -110,9 +110,8 @@ class ClosedForm(Machine):
     def _solve(self, X_BF: Array, previous: Array) -> tuple[Array, Indices]:
         """The eight joint vectors (8, 6) of one pose (4, 4) and their flags (8,)."""
         out, flags = np.empty((8, 6)), np.zeros(8, dtype=np.int64)
-        room = np.empty((3, 3, 3))
         X = poses(X_BF)[0]
-        solve_family(self.family, X, -1, self.arm, previous, room, out, flags)
+        solve_family(self.family, X, -1, self.arm, previous, out, flags)
         return out, flags
 
     def _branch_of(self, q: Array) -> int:

@@ -64,24 +64,41 @@ def centre_in_plane(X: Array, p_BP: Array, p_FC: Array, R_PB: Array) -> tuple[fl
     )
 
 
-@kernel
-def rotate_three(A: Array, B: Array, C: Array, room: Array, out: Array) -> None:
-    """out = A B C, all (3, 3) or larger."""
-    for r in range(3):
-        for k in range(3):
-            room[r, k] = A[r, 0] * B[0, k] + A[r, 1] * B[1, k] + A[r, 2] * B[2, k]
-    for r in range(3):
-        for k in range(3):
-            out[r, k] = room[r, 0] * C[0, k] + room[r, 1] * C[1, k] + room[r, 2] * C[2, k]
+class Rotation(NamedTuple):
+    """A rotation matrix, element by element: so it stays in registers."""
+
+    xx: float
+    xy: float
+    xz: float
+    yx: float
+    yy: float
+    yz: float
+    zx: float
+    zy: float
+    zz: float
 
 
-@kernel
-def turn_back(R: Array, c: float, s: float, out: Array) -> None:
-    """out = Rz(angle)ᵀ R, (3, 3), of the angle's cosine and sine."""
-    for k in range(3):
-        out[0, k] = c * R[0, k] + s * R[1, k]
-        out[1, k] = c * R[1, k] - s * R[0, k]
-        out[2, k] = R[2, k]
+@kernel(inlined=True)
+def row_times(x: float, y: float, z: float, R: Array) -> tuple[float, float, float]:
+    """A row vector times a matrix, (3, 3) or larger."""
+    return (
+        x * R[0, 0] + y * R[1, 0] + z * R[2, 0],
+        x * R[0, 1] + y * R[1, 1] + z * R[2, 1],
+        x * R[0, 2] + y * R[1, 2] + z * R[2, 2],
+    )
+
+
+@kernel(inlined=True)
+def wrist_rotation(X: Array, arm: PlaneArm) -> Rotation:
+    """The rotation in P from the axes of the wrist at zero to those of the flange pose X (4, 4)."""
+    A, C = arm.R_PB, arm.R_FE
+    xx, xy, xz = row_times(A[0, 0], A[0, 1], A[0, 2], X)
+    yx, yy, yz = row_times(A[1, 0], A[1, 1], A[1, 2], X)
+    zx, zy, zz = row_times(A[2, 0], A[2, 1], A[2, 2], X)
+    x0, x1, x2 = row_times(xx, xy, xz, C)
+    y0, y1, y2 = row_times(yx, yy, yz, C)
+    z0, z1, z2 = row_times(zx, zy, zz, C)
+    return Rotation(x0, x1, x2, y0, y1, y2, z0, z1, z2)
 
 
 @kernel
@@ -119,6 +136,12 @@ def heading(
     real, imaginary = wx * reach + wy * lateral, wy * reach - wx * lateral
     length = math.sqrt(real * real + imaginary * imaginary)
     return atan2(imaginary, real), real / length, imaginary / length
+
+
+@kernel(inlined=True)
+def shoulders_apart(lateral: float, forward: float) -> float:
+    """The turn [rad] of joint 1 between both shoulders."""
+    return abs(math.pi - 2.0 * atan2(abs(lateral), forward)) if lateral != 0.0 else math.pi
 
 
 @kernel

@@ -21,49 +21,15 @@ from gcodesim.kinematics.plane_kernels import (
     REACH_SLACK,
     WRIST,
     PlaneArm,
+    Rotation,
     bend_of_elbow,
     centre_in_plane,
     flags_of,
     heading,
     shoulder_turn,
+    shoulders_apart,
+    wrist_rotation,
 )
-
-
-class Rotation(NamedTuple):
-    """A rotation matrix, element by element: so it stays in registers."""
-
-    xx: float
-    xy: float
-    xz: float
-    yx: float
-    yy: float
-    yz: float
-    zx: float
-    zy: float
-    zz: float
-
-
-@kernel(inlined=True)
-def row_times(x: float, y: float, z: float, R: Array) -> tuple[float, float, float]:
-    """A row vector times a matrix, (3, 3) or larger."""
-    return (
-        x * R[0, 0] + y * R[1, 0] + z * R[2, 0],
-        x * R[0, 1] + y * R[1, 1] + z * R[2, 1],
-        x * R[0, 2] + y * R[1, 2] + z * R[2, 2],
-    )
-
-
-@kernel(inlined=True)
-def wrist_rotation(X: Array, arm: PlaneArm) -> Rotation:
-    """The rotation from the flange pose X (4, 4) that joint 1 and the turn of link 3 have to leave to the wrist."""
-    A, C = arm.R_PB, arm.R_FE
-    xx, xy, xz = row_times(A[0, 0], A[0, 1], A[0, 2], X)
-    yx, yy, yz = row_times(A[1, 0], A[1, 1], A[1, 2], X)
-    zx, zy, zz = row_times(A[2, 0], A[2, 1], A[2, 2], X)
-    x0, x1, x2 = row_times(xx, xy, xz, C)
-    y0, y1, y2 = row_times(yx, yy, yz, C)
-    z0, z1, z2 = row_times(zx, zy, zz, C)
-    return Rotation(x0, x1, x2, y0, y1, y2, z0, z1, z2)
 
 
 @kernel(inlined=True)
@@ -126,21 +92,15 @@ def behind_shoulder(
     return Bent(q2, turn3, q4, bent, q6, sine)
 
 
-@kernel(inlined=True)
-def shoulders_apart(lateral: float, forward: float) -> float:
-    """The turn [rad] of joint 1 between both shoulders."""
-    return abs(math.pi - 2.0 * atan2(abs(lateral), forward)) if lateral != 0.0 else math.pi
-
-
 @kernel
-def solve(X: Array, only: int, arm: PlaneArm, previous: Array, room: Array, out: Array, flags: Indices) -> float:
+def solve(X: Array, only: int, arm: PlaneArm, previous: Array, out: Array, flags: Indices) -> float:
     """All eight joint vectors `out` (8, 6) of the flange pose X (4, 4); branch = 4 backward + 2 elbow + wrist.
 
     E has Z along axis 4 and Y along axis 5 at zero; R_FE contains the angle of
     axis 6 from axis 4. `flags` (8,): 0 where the branch does not exist.
-    `room` (3, 3, 3) is not needed here. With `only` a branch number, just the two
-    branches with its shoulder and elbow are computed; returned is how far [rad]
-    at least they are, in joint space, from those left out.
+    With `only` a branch number, just the two branches with its shoulder and elbow
+    are computed; returned is how far [rad] at least they are, in joint space, from
+    those left out.
     """
     for b in range(8):
         flags[b] = 0

@@ -18,6 +18,7 @@ _NUMBER = re.compile(r"P\s*(?:([0-9]{1,15})|[#\[<])", re.IGNORECASE)
 _TARGET = re.compile(r"(?:GOTO|M\s*0*99\s*P)\s*(?:([0-9]{1,15})|[#\[])", re.IGNORECASE)
 _SEQUENCE = re.compile(r"\s*+(?:/\s*+)?N\s*0*([0-9]{1,15})(?![0-9])", re.IGNORECASE)
 _LOOP = re.compile(r"(DO|END)\s*[0-9]", re.IGNORECASE)
+_LEAD, _LOOPS = "oOmM", "dD"  # letters of GOTO and M99, of DO and END: few lines of a long program have one
 
 
 class FanucOutline(Outline):
@@ -54,8 +55,8 @@ class FanucOutline(Outline):
     def open_at(self, end: int) -> list[FlowLine]:
         part = self.file.part_at(end)
         found: list[FlowLine] = []
-        for index, line in enumerate(self.file.lines[part.first : end], part.first):
-            for word in _LOOP.findall(bare(line)):
+        for index, text in self._with(_LOOPS, part.first, end):
+            for word in _LOOP.findall(text):
                 if word.upper() == "DO":
                     found.append(FlowLine(index, "", "DO"))
                 elif found:
@@ -64,16 +65,15 @@ class FanucOutline(Outline):
 
     def behind(self, end: int) -> Iterator[int]:
         part = self.file.part_at(end)
-        targets = set()
+        targets: set[int] = set()
         loops = 0
-        for index, line in enumerate(self.file.lines[part.first : part.end], part.first):
-            text = bare(line)
+        for _, text in self._with(_LEAD, part.first, part.end):
             for match in _TARGET.finditer(text):
                 if match[1] is None:
                     return
                 targets.add(int(match[1]))
-            if index <= end:
-                loops += sum(1 if word.upper() == "DO" else -1 for word in _LOOP.findall(text))
+        for _, text in self._with(_LOOPS, part.first, end + 1):
+            loops += sum(1 if word.upper() == "DO" else -1 for word in _LOOP.findall(text))
         if loops > 0:
             return
         for index in range(end + 1, part.end):
@@ -81,3 +81,9 @@ class FanucOutline(Outline):
             if sequence is not None and int(sequence[1]) in targets:
                 return
             yield index
+
+    def _with(self, letters: str, first: int, end: int) -> Iterator[tuple[int, str]]:
+        """Indices and bare texts of the lines from `first` to before `end` that hold one of `letters`."""
+        for index in self.file.lines_with(letters):
+            if first <= index < end:
+                yield index, bare(self.file.lines[index])
