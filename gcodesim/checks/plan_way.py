@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.arithmetic.batches import batches
 from gcodesim.arithmetic.matrices import applied
 from gcodesim.checks.meetings import JointWay
 from gcodesim.frames import Array
@@ -160,8 +161,10 @@ def _joints_at(plan: Plan, piece: NDArray[np.int64], s: Array) -> Array:
 
 def _leaves(q0: Array, middle: Array, q1: Array) -> Array:
     """How far (n, j) the joints in the middle are from the straight line between both ends, wherever along it."""
-    step = q1 - q0
-    square = np.sum(step * step, axis=1)
-    share = np.clip(np.sum((middle - q0) * step, axis=1) / np.where(square > 0.0, square, 1.0), 0.0, 1.0)
-    off: Array = np.abs(middle - q0 - share[:, None] * step)
+    off = np.empty(q0.shape)
+    for some in batches(len(q0)):
+        way, step = middle[some] - q0[some], q1[some] - q0[some]
+        square = np.sum(step * step, axis=1)
+        share = np.clip(np.sum(way * step, axis=1) / np.where(square > 0.0, square, 1.0), 0.0, 1.0)
+        off[some] = np.abs(way - share[:, None] * step)
     return off

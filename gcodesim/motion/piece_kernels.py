@@ -55,15 +55,21 @@ def piece_point(
         tangent[k] = tangent[k] * (1.0 - u) + spare[1, k] * ratio[i] * u
 
 
+@kernel(lean=True)
+def fill_points(
+    piece: Column, s: Column, pieces: PieceColumns, curves: CurveColumns, position: Column, tangent: Column,
+    spare: Column,
+) -> None:  # fmt: skip
+    """The loop of `points`, which has made all arrays, so that none is counted at each row."""
+    for j in range(len(s)):
+        piece_point(piece[j], s[j], pieces, curves, position[j], tangent[j], spare)
+
+
 @kernel
 def points(piece: Column, s: Column, pieces: PieceColumns, curves: CurveColumns) -> tuple[Column, Column]:
     """Positions (k, 6) and derivatives by s (k, 6) at `s` (k,) on pieces `piece` (k,)."""
-    n = len(s)
-    position = np.empty((n, 6))
-    tangent = np.empty((n, 6))
-    spare = np.empty((2, 6))
-    for j in range(n):
-        piece_point(piece[j], s[j], pieces, curves, position[j], tangent[j], spare)
+    position, tangent = np.empty((len(s), 6)), np.empty((len(s), 6))
+    fill_points(piece, s, pieces, curves, position, tangent, np.empty((2, 6)))
     return position, tangent
 
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.arithmetic.batches import batches
 from gcodesim.diagnostics import Findings
 from gcodesim.frames import Array
 from gcodesim.frozen import frozen
@@ -16,7 +17,6 @@ from gcodesim.motion.pieces import OVERLAP, Pieces
 from gcodesim.motion.timing import Caps, Softness
 from gcodesim.planning.arm_kernels import JointCaps, SegmentRates, joint_caps, joint_rates
 from gcodesim.planning.flange import Flange
-from gcodesim.planning.guide import Outside
 from gcodesim.planning.jerk import softer
 from gcodesim.planning.kinks import Kinks
 from gcodesim.planning.loads import Loads, Slowing
@@ -116,27 +116,45 @@ class ArmCaps:
         """The caps slowed so that motors can give the efforts of joints q (k, j), and what that is needed for.
 
         Efforts are M q' a + (M q'' + C) v² + G. Those of both ends of a segment, at its top speed and at rest, with its
-        acceleration forwards and backwards, are looked at: everything in between lies between them.
+        acceleration forwards and backwards, are looked at: everything in between lies between them. Where bounds say
+        that motors have enough, efforts are not worked out.
         """
-        i, path = nodes.segments, self.pieces.path
-        tool = loads.on_rows(path)[self.pieces.row_first[self.piece]]
-        v, a = self.found.speed[:, None], np.minimum(self.found.acceleration, 1e6)[:, None]
-        r0, r1, mean = self.rates
-        step, twice, h = r1 - r0, 6.0 * mean - 3.0 * (r0 + r1), self.length[:, None]
-        feeding = np.isfinite(path.feed[self.pieces.row_first[self.piece]])
-        share, why = np.ones(len(i)), []
-        for at, rate, bend in ((i - 1, r0, (step + twice) / h), (i, r1, (step - twice) / h)):
-            qd, along, across = rate * v, rate * a, bend * v * v
-            static, ahead, behind = loads.efforts(tool, q[at], (0.0, 0.0), (qd, along + across), (qd, across - along))
-            push = 0.5 * (ahead - behind)
-            reserve = loads.reserve(tool, q[at], qd, feeding)
-            slowing = loads.slowing(self.piece, static, ahead, behind, static + push, static - push, reserve=reserve)
-            share = np.minimum(share, slowing.share)
-            why.append(slowing.needed)
+        path, row = self.pieces.path, self.pieces.row_first[self.piece]
+        tool, feeding = loads.on_rows(path)[row], np.isfinite(path.feed[row])
+        share, why = np.ones(len(row)), []
+        for at_end in (False, True):
+            for part in batches(len(row)):
+                qd, along, across = self._motions(part, at_end=at_end)
+                some = np.flatnonzero(~loads.ample(tool[part], qd, np.abs(along) + np.abs(across)))
+                if not len(some):
+                    continue
+                k, qd, along, across = part.start + some, qd[some], along[some], across[some]
+                at = q[nodes.segments[k] - (not at_end)]
+                static, ahead, behind = loads.efforts(
+                    tool[k], at, (0.0, 0.0), (qd, across + along), (qd, across - along)
+                )
+                push = 0.5 * (ahead - behind)
+                moved = (ahead, behind, static + push, static - push)
+                reserve = loads.reserve(tool[k], at, qd, feeding[k])
+                slowing = loads.slowing(self.piece[k], static, *moved, reserve=reserve)
+                share[k] = np.minimum(share[k], slowing.share)
+                why.append(slowing.needed)
         found = self.found._replace(
             speed=self.found.speed * np.sqrt(share), acceleration=self.found.acceleration * share
         )
         return replace(self, found=found, junction=np.minimum(self.junction, found.speed)), why
+
+    def _motions(self, part: slice, *, at_end: bool) -> tuple[Array, Array, Array]:
+        """Speeds (k, j) of joints at top speed on `part` of the segments, and accelerations along the way and across.
+
+        Where they begin, or end.
+        """
+        r0, r1, mean = (rates[part] for rates in self.rates)
+        v = self.found.speed[part, None]
+        a = np.minimum(self.found.acceleration[part], 1e6)[:, None]
+        step, twice, h = r1 - r0, 6.0 * mean - 3.0 * (r0 + r1), self.length[part, None]
+        rate, bend = (r1, (step - twice) / h) if at_end else (r0, (step + twice) / h)
+        return rate * v, rate * a, bend * v * v
 
     def with_moves(self) -> Caps:
         """The caps of everything: a joint move is one segment that takes its own time."""
@@ -160,46 +178,48 @@ class ArmCaps:
 def _rates(kinematics: Kinematics, flange: Flange, nodes: Nodes, q: Array, bridged: NDArray[np.bool_]) -> SegmentRates:
     """Rates of all joints by the way, at both ends of each segment and on average."""
     i = nodes.segments
-    piece, begin = nodes.piece[i], nodes.begin
-    length = nodes.s[i] - begin
+    length = nodes.s[i] - nodes.begin
+    rates = SegmentRates(*(np.empty((len(i), q.shape[1])) for _ in range(3)))
+    for some in batches(len(i)):
+        first, last = _exact_rates(kinematics, flange, nodes, q, some)
+        ends, way = i[some], length[some, None]
+        rates.start[some], rates.end[some] = first, last
+        rates.mean[some] = np.where(way > _CLOSE, (q[ends] - q[ends - 1]) / way, 0.5 * (first + last))
+    for some in batches(len(i)):
+        mean, bridge, far = rates.mean[some], bridged[i[some], None], length[some, None] > _CLOSE
+        most = np.where(far, _STEEPEST * _neighbourhood(rates.mean, some), np.inf)
+        for rate in (rates.start, rates.end):
+            rate[some] = np.where(bridge, mean, np.clip(rate[some], -most, most))
+    return rates
+
+
+def _exact_rates(kinematics: Kinematics, flange: Flange, nodes: Nodes, q: Array, some: slice) -> tuple[Array, Array]:
+    """Rates of all joints by the way (k, j) where some segments begin and where they end, by the Jacobian."""
+    i = nodes.segments[some]
+    low, high = i[0] - 1, i[-1] + 1
+    piece, begin, end = nodes.piece[i], nodes.begin[some], nodes.s[i]
     outside = None if flange.guide is None else flange.guide.outside
-    own = q if outside is None else q[:, outside.assembly.own]
-    J = np.ascontiguousarray((kinematics if outside is None else outside.assembly.arm).jacobian(own))
-    out, back = flange.velocities(piece, begin), flange.velocities(piece, begin + length)
-    leaving, arriving = np.zeros((len(nodes), out.shape[1])), np.zeros((len(nodes), out.shape[1]))
-    leaving[i - 1], arriving[i] = out, back
+    arm = kinematics if outside is None else outside.assembly.arm
+    J = np.ascontiguousarray(arm.jacobian(q[low:high] if outside is None else q[low:high, outside.assembly.own]))
+    out, back = flange.velocities(piece, begin), flange.velocities(piece, end)
+    leaving, arriving = (np.zeros((high - low, out.shape[1])) for _ in range(2))
+    leaving[i - 1 - low], arriving[i - low] = out, back
     rates = joint_rates(J, leaving, arriving)
-    if outside is not None:
-        rates = _with_outside(rates, outside, flange, (i, piece, begin, length))
-    first, last = rates[0][i - 1], rates[1][i]
-    far = (length > _CLOSE)[:, None]
-    mean = np.where(far, (q[i] - q[i - 1]) / length[:, None], 0.5 * (first + last))
-    bridge = bridged[i, None]
-    most = np.where(far, _STEEPEST * _neighbourhood(np.abs(mean)), np.inf)
-    start, end = (np.where(bridge, mean, np.clip(rate, -most, most)) for rate in (first, last))
-    return SegmentRates(start, end, mean)
+    first, last = rates[0][i - 1 - low], rates[1][i - low]
+    if outside is None:
+        return first, last
+    slopes = (outside.slopes(piece, s, flange.pieces.points(piece, s)[1]) for s in (begin, end))
+    return outside.assembly.together(first, next(slopes)), outside.assembly.together(last, next(slopes))
 
 
-def _with_outside(
-    rates: tuple[Array, Array],
-    outside: Outside,
-    flange: Flange,
-    segments: tuple[NDArray[np.intp], NDArray[np.int64], Array, Array],
-) -> tuple[Array, Array]:
-    """Rates of all joints by the way: those of the arm at each node, leaving and arriving, and those outside."""
-    i, piece, begin, length = segments
-    leaving, arriving = (np.zeros((len(rates[0]), len(outside.columns))) for _ in range(2))
-    for table, node, s in ((leaving, i - 1, begin), (arriving, i, begin + length)):
-        table[node] = outside.slopes(piece, s, flange.pieces.points(piece, s)[1])
-    return outside.assembly.together(rates[0], leaving), outside.assembly.together(rates[1], arriving)
-
-
-def _neighbourhood(values: Array) -> Array:
-    """The greatest values of each row (k, j) and its neighbours."""
-    most = values.copy()
-    most[1:] = np.maximum(most[1:], values[:-1])
-    most[:-1] = np.maximum(most[:-1], values[1:])
-    return most
+def _neighbourhood(values: Array, some: slice) -> Array:
+    """The greatest sizes (k, j) of some of the values (n, j) and of their neighbours."""
+    before = int(some.start > 0)
+    sizes = np.abs(values[some.start - before : some.stop + 1])
+    most = sizes.copy()
+    most[1:] = np.maximum(most[1:], sizes[:-1])
+    most[:-1] = np.maximum(most[:-1], sizes[1:])
+    return most[before : before + some.stop - some.start]
 
 
 def _wanted_speed(pieces: Pieces) -> Array:

@@ -214,7 +214,8 @@ class FixedAttitude:
                 loads = loads.with_grips(path, found)
             caps, slow = caps.within(loads, nodes, q_nodes)
             moves, slower = _moves_within(moves, loads, pieces)
-            report_slow_motors(kinematics, pieces, Slowing.together([*slow, *slower]), findings)
+            if slow or slower:
+                report_slow_motors(kinematics, pieces, Slowing.together([*slow, *slower]), findings)
         caps = caps.softened(nodes, kinematics.joints.jerk)
         for piece, move in moves.items():
             pieces.length[piece] = pieces.curves.length[pieces.curve[piece]] = max(move.duration, SHORTEST)

@@ -13,6 +13,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.arithmetic.batches import batches
 from gcodesim.arithmetic.elementary import cos_sin
 from gcodesim.arithmetic.matrices import applied
 from gcodesim.frames import Array
@@ -45,13 +46,22 @@ class Flange:
 
     def poses(self, piece: NDArray[np.int64], s: Array, positions: Array) -> Array:
         """X_BF (k, 4, 4) with the controlled point at `positions` (k, 6), which are at `s` (k,) of `piece` (k,)."""
-        return unbent(self._noses(piece, s, positions), self.bend_of(piece))
+        X = np.empty((len(piece), 4, 4))
+        for some in batches(len(piece)):
+            X[some] = unbent(self._noses(piece[some], s[some], positions[some]), self.bend_of(piece[some]))
+        return X
 
     def bend_of(self, piece: NDArray[np.int64]) -> Array | None:
         """X_NF (k, 4, 4) on these pieces (k,); None where no tool is bent."""
         return None if self.bend is None else self.bend[self.pieces.row_first[piece]]
 
     def _noses(self, piece: NDArray[np.int64], s: Array, positions: Array) -> Array:
+        X = self._unturned_noses(piece, s, positions)
+        if self.turning is not None:
+            turn_flanges(X, *cos_sin(self.turning.at(piece, s)[0]))
+        return X
+
+    def _unturned_noses(self, piece: NDArray[np.int64], s: Array, positions: Array) -> Array:
         row = self.pieces.row_first[piece].astype(np.int64)
         if self.guide is None:
             R = self.R_BO[row]
@@ -64,8 +74,6 @@ class Flange:
         else:
             X = np.empty((len(row), 4, 4))
             hold_tools(np.ascontiguousarray(positions), R, row, self._holding, X)
-        if self.turning is not None:
-            turn_flanges(X, *cos_sin(self.turning.at(piece, s)[0]))
         return X
 
     @cached_property
@@ -81,7 +89,10 @@ class Flange:
     def velocities(self, piece: NDArray[np.int64], s: Array) -> Array:
         """Velocity (k, 3) of the flange by the way, or (k, 6) with the angular one, where it turns."""
         if self.guide is not None:
-            return self._twists(piece, s)
+            twists = np.empty((len(piece), 6))
+            for some in batches(len(piece)):
+                twists[some] = self._twists(piece[some], s[some])
+            return twists
         v = self.pieces.points(piece, s)[1][:, :3]
         if self.turning is None:
             return v
@@ -96,8 +107,7 @@ class Flange:
         """The same (k, 6) by the difference of two neighbours on the tangent."""
         points, slope = self.pieces.points(piece, s)
         step = _PROBE / np.maximum(np.abs(slope).max(axis=1, initial=0.0), 1e-12)
-        straight = replace(self, turning=None)
-        ahead, behind = (straight._noses(piece, s + d, points + d[:, None] * slope) for d in (step, -step))
+        ahead, behind = (self._unturned_noses(piece, s + d, points + d[:, None] * slope) for d in (step, -step))
         if self.turning is not None:
             middle, rate = self.turning.at(piece, s)
             turn_flanges(ahead, *cos_sin(middle + step * rate))

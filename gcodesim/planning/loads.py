@@ -10,11 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.arithmetic.distinct import distinct
-from gcodesim.arithmetic.matrices import applied, multiplied
+from gcodesim.arithmetic.matrices import applied, multiplied, norm
 from gcodesim.frames import Array, Pose
 from gcodesim.frozen import frozen
 from gcodesim.kinematics.chain import Chain, Inertial
 from gcodesim.kinematics.dynamics import GRAVITY, efforts_of, inverse_dynamics, merge
+from gcodesim.kinematics.effort_bounds import effort_bounds
 
 if TYPE_CHECKING:
     from gcodesim.motion.tool_path import ToolPath
@@ -107,6 +108,21 @@ class Loads:
     def matter(self) -> bool:
         """Whether there is a limit and a mass."""
         return bool(np.isfinite(self.limit).any()) and any(link.inertial is not None for link in self.chain.links)
+
+    def ample(self, tool: NDArray[np.int64], qd: Array, qdd: Array) -> NDArray[np.bool_]:
+        """Where (n,) motors surely have what motions need with `tool` (n,), of no greater qd and qdd (n, j).
+
+        There `slowing` would say 1 for each of these motions and for what is between them and rest.
+        """
+        own = self.motors
+        friction = 0.0 if own is None else own.coulomb + own.viscous * np.abs(qd) + own.rotor * np.abs(qdd)
+        ample = np.zeros(len(tool), dtype=bool)
+        for number in distinct(tool).tolist():
+            bounds = None if number in self.pushes else effort_bounds(self.chain, self.tools.get(number))
+            if bounds is not None:
+                needed = bounds.at(qd, qdd, norm(self.gravity)) + friction
+                ample |= (tool == number) & (needed <= _SHARE * self.limit).all(axis=1)
+        return ample
 
     def efforts(
         self, tool: NDArray[np.int64], q: Array, *motions: tuple[Array | float, Array | float]

@@ -76,6 +76,15 @@ def test_least_gains_are_the_smallest_singular_values_also_of_singular_matrices(
     assert matrices.least_gains(A[0]).shape == ()
 
 
+@pytest.mark.parametrize("shape", [(6, 6), (3, 6), (6, 4), (6, 1)])
+def test_least_gains_have_the_same_bits_for_many_as_for_one(shape: tuple[int, int]) -> None:
+    A = RANDOM.normal(size=(matrices.FEW + 20, *shape))
+    A[1], A[2, 1] = 0.0, A[2, 0]
+    with np.errstate(over="ignore"):  # of a turn that is nearly none
+        each = np.concatenate([matrices.least_gains(one[None]) for one in A])
+    assert matrices.least_gains(A).tobytes() == each.tobytes()
+
+
 def test_turns_of_one_step() -> None:
     X, w = np.eye(4), RANDOM.normal(size=6)
     X[:3, :3] = R = rotation_from_rpy(0.3, -0.4, 2.0)

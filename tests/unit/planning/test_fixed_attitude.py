@@ -16,6 +16,7 @@ from gcodesim.kinematics import Kinematics, kinematics_of, load_urdf, model_path
 from gcodesim.kinematics.protocol import Status
 from gcodesim.motion import build_tool_path
 from gcodesim.planning import FixedAttitude, Plan, plan_path
+from gcodesim.planning.loads import Loads
 from gcodesim.planning.reach import why
 
 HOME = np.radians([0.0, -90.0, 90.0, 0.0, 90.0, 0.0])
@@ -119,6 +120,19 @@ def test_windows_give_the_same_joints_as_the_whole() -> None:
     parts = [plan.joints(plan.trajectory.sample(part)) for part in np.array_split(samples.time, 7)]
 
     assert np.abs(np.concatenate(parts) - q).max() < 1e-9
+
+
+def test_results_do_not_depend_on_how_many_rows_are_looked_at_together(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Through a singularity, where the rates of a segment are bounded by those of its neighbours."""
+    moves = [line(k, 0.6, 0.002 * (k - 50), 0.3 + 0.01 * (k % 2), feed=2.0) for k in range(3, 100)]
+    posing = FixedAttitude(loads=Loads(chain=arm().chain))  # type: ignore[attr-defined]
+    plans = []
+    for rows in (4096, 7):
+        monkeypatch.setattr("gcodesim.arithmetic.batches.AT_ONCE", rows)
+        plans.append(planned(rapid(2, 0.6, -0.094, 0.3), *moves, posing=posing))
+    whole, parts = (plan.trajectory.phases for plan in plans)
+    assert len(whole.time) > 200
+    assert all(getattr(whole, name).tobytes() == getattr(parts, name).tobytes() for name in ("time", "speed", "s"))
 
 
 def test_tool_length_pulls_the_flange_back_and_the_tip_stays() -> None:

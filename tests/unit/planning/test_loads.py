@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +12,7 @@ from gcodesim.arithmetic.matrices import applied
 from gcodesim.cell.loader import read_cell
 from gcodesim.diagnostics import SourceText
 from gcodesim.jobs.job import Job
-from gcodesim.planning.loads import Loads
+from gcodesim.planning.loads import Loads, Motors
 from gcodesim.planning.shop_posing import loads_of
 from gcodesim.simulation import prepare
 
@@ -126,3 +127,26 @@ def test_a_controller_of_an_arm_on_a_rail_has_values_for_its_own_joints() -> Non
 
     assert sorted(own.friction) == [0.0, 1.0, 2.0, 2.0, 9.0, 9.0, 9.0]
     assert own.friction[job.shop.kinematics.joints.names.index("rail/U")] == 0.0
+
+
+@pytest.mark.parametrize("driven", [False, True])
+def test_where_motors_surely_have_enough_nothing_is_slowed(driven: bool) -> None:
+    """Of motions from gentle to far too quick, those called ample need no slowing when they are worked out."""
+    job = job_of()
+    own, q, random = loads(job), postures(job, 300), np.random.default_rng(3)
+    if driven:
+        own = replace(own, motors=Motors(coulomb=np.full(6, 0.5), viscous=np.full(6, 0.2), rotor=np.full(6, 0.02)))
+    tool, size = np.ones(len(q), dtype=np.int64), np.linspace(0.0, 3.0, len(q))[:, None]
+    qd, qdd = size * random.normal(size=q.shape), 8.0 * size * random.normal(size=q.shape)
+    ample = own.ample(tool, qd, qdd)
+    static, ahead, behind = own.efforts(tool, q, (0.0, 0.0), (qd, qdd), (qd, -qdd))
+    slowing = own.slowing(tool, static, ahead, behind, reserve=own.reserve(tool, q, qd, np.ones(len(q), dtype=bool)))
+    assert 10 < ample.sum() < len(q)
+    assert (slowing.share[ample] == 1.0).all() and (slowing.joint[ample] == -1).all()
+    assert not slowing.overborne[ample].any()
+    assert (slowing.share[~ample] < 1.0).any()
+
+
+def test_what_pushes_on_a_tool_is_always_worked_out() -> None:
+    own, still = loads(job_of(tool=", expected_force: 1 N")), np.zeros((2, 6))
+    assert own.ample(np.array([0, 1]), still, still).tolist() == [True, False]
