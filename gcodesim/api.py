@@ -16,7 +16,7 @@ from gcodesim.jobs.job import Options
 from gcodesim.jobs.results import Results
 from gcodesim.motion import ToolPath, build_tool_path
 from gcodesim.motion.tool_path import ZERO
-from gcodesim.rs274 import Settings, interpret
+from gcodesim.rs274 import Settings, interpret, read_program
 from gcodesim.rs274.assumed import assumed_tools
 from gcodesim.rs274.dialects import DIALECTS
 
@@ -36,7 +36,7 @@ def read(program: Path | str, settings: Settings | None = None) -> ToolPath:
     is assumed to exist, with length 0. Raises `InputError` with all findings when
     one is an error, OSError when the file cannot be read.
     """
-    source = SourceText.read(Path(program))
+    source = read_program(Path(program))
     reading = interpret(source, settings or Settings(tool_table=assumed_tools(source)))
     stand = DIALECTS[reading.settings.dialect].rapids_stand
     path = build_tool_path(reading.stream(), ZERO, rapids_stand=stand)
@@ -80,8 +80,8 @@ def simulate(
     once the files in `out` are closed; it is a `gcodesim.simulation.RunInterrupted` when there are results so far.
     """
     loaded = _as_loaded(cell) if isinstance(cell, Cell) else read_cell_file(Path(cell), allow_code=allow_code)
-    further = {name: SourceText.read(Path(path)) for name, path in (channels or {}).items()}
-    job = simulation.prepare(SourceText.read(Path(program)), loaded, Options(force=force, channels=further))
+    further = {name: read_program(Path(path)) for name, path in (channels or {}).items()}
+    job = simulation.prepare(read_program(Path(program)), loaded, Options(force=force, channels=further))
     results, _ = simulation.run(job, None if out is None else Path(out))
     return results
 

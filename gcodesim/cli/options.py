@@ -235,12 +235,14 @@ def _switch(text: str) -> bool:
 
 def read_source(path: Path, what: str) -> SourceText:
     """The bytes of a file named on the command line; UsageError when it cannot be read. `-` is the program on stdin."""
+    from gcodesim.rs274 import as_text, read_program
+
     if path == STDIN and what == "program":
-        return SourceText(str(path), sys.stdin.buffer.read())
+        return as_text(SourceText(str(path), sys.stdin.buffer.read()))
     try:
         if path.is_dir():
             raise UsageError(f"{what} {path} is a folder, not a file")
-        return SourceText.read(path)
+        return read_program(path) if what == "program" else SourceText.read(path)
     except FileNotFoundError:
         raise UsageError(f"{what} {path} is not there") from None
     except OSError as error:

@@ -8,6 +8,7 @@ from gcodesim.cell import Cell
 from gcodesim.cell.cell import MAIN
 from gcodesim.diagnostics import Diagnostic, SourceText
 from gcodesim.jobs.job import Job
+from gcodesim.rs274 import read_program
 
 
 def cast_of(cell: Cell, program: SourceText, further: Mapping[str, SourceText]) -> dict[str, SourceText]:
@@ -28,7 +29,7 @@ def cast_of(cell: Cell, program: SourceText, further: Mapping[str, SourceText]) 
         waiting = [name for name in channels if name not in further]
         without = [name for name in waiting if name not in named]
         chosen = MAIN if MAIN in waiting else next(iter([*without, *waiting, *channels]))
-    cast = {name: SourceText.read(file.path, file.name) for name, file in named.items()}
+    cast = {name: read_program(file.path, file.name) for name, file in named.items()}
     cast |= further
     cast[chosen] = program
     ordered = sorted(cast, key=lambda name: (name != MAIN, name))

@@ -20,6 +20,7 @@ from gcodesim.regress.programs import PROGRAMS, programs_in
 from gcodesim.regress.readable import Readable
 from gcodesim.regress.tolerance import DEFAULTS, Tolerance
 from gcodesim.regress.verdicts import JudgedFinding
+from gcodesim.rs274 import read_program
 from gcodesim.setups.naming import SUFFIXES as JOBS
 from gcodesim.setups.naming import is_job_file
 
@@ -51,7 +52,7 @@ class Case:
 
     def read(self, path: Path) -> SourceText:
         """The text at `path` as this case has it. OSError when it cannot be read."""
-        source = SourceText.read(path)
+        source = read_program(path)
         return replace(source, raw=self.edits[path]) if path in self.edits else source
 
 
@@ -129,7 +130,7 @@ def collect(
         if not readable.has(program):
             found.append(JudgedFinding(finding=readable.link_fault(shown_path(program, root)), state="counts"))
             continue
-        if is_named or cell is not None or expectations(SourceText.read(program))[0]:
+        if is_named or cell is not None or expectations(read_program(program))[0]:
             case = _case_of_program(program, root, cell)
             cases[case.name] = case
     kept = [cases[name] for name in sorted(cases) if _is_wanted(name, names)]

@@ -17,6 +17,7 @@ from gcodesim.regress.case import Case, shown_path
 from gcodesim.regress.mutation import CELL_OPERATORS, PROGRAM_OPERATORS, Mutation, mutate_cell, mutate_program
 from gcodesim.regress.tolerance import DEFAULTS, Tolerance
 from gcodesim.regress.workers import in_parallel
+from gcodesim.rs274 import read_program
 from gcodesim.setups.naming import is_job_file
 from gcodesim.setups.setup_file import read_job_file
 
@@ -86,7 +87,7 @@ def _draw_one(grounds: Sequence[_Ground], root: Path, random: Random) -> Mutant 
     path, change, operators = program, mutate_program, list(PROGRAM_OPERATORS)
     if cell is not None and random.random() >= _SHARE_OF_PROGRAMS:
         path, change, operators = cell, mutate_cell, list(CELL_OPERATORS)
-    text = "\n".join(SourceText.read(path).lines) + "\n"
+    text = "\n".join(read_program(path).lines) + "\n"
     mutation = change(random, text, random.choice(operators))
     if mutation is None or mutation.text == text:
         return None

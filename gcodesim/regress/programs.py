@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Final
 
-PROGRAMS: Final = (".nc", ".ngc", ".gcode", ".tap", ".cnc", ".mpf", ".gc")
+PROGRAMS: Final = (".nc", ".ngc", ".gcode", ".tap", ".cnc", ".mpf", ".gc", ".bgcode")
 
 
 def programs_in(folder: Path) -> list[Path]:

@@ -24,7 +24,7 @@ from gcodesim.regress.golden import GoldenError, read_golden
 from gcodesim.regress.motion import steps_of
 from gcodesim.regress.programs import programs_in
 from gcodesim.regress.tolerance import Tolerances
-from gcodesim.rs274 import Settings, interpret
+from gcodesim.rs274 import Settings, interpret, read_program
 from gcodesim.rs274.assumed import assumed_tools
 from gcodesim.simulation import prepare, run
 
@@ -70,7 +70,7 @@ def facts_at(
             return _folder(path)
         if path.suffix.lower() == LOG_SUFFIX or path.name.endswith(f"{LOG_SUFFIX}.part"):
             return _log(path)
-        source = SourceText.read(path)
+        source = read_program(path)
     except FileNotFoundError:
         raise SideError(f"{path} is not there") from None
     except OSError as error:

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 from gcodesim.diagnostics import SourceText
+from gcodesim.rs274 import read_program
 
 
 class Sources(Mapping[str, SourceText]):
@@ -18,7 +19,7 @@ class Sources(Mapping[str, SourceText]):
     def __getitem__(self, name: str) -> SourceText:
         if name not in self._read:
             try:
-                self._read[name] = SourceText.read(self._root / name, name)
+                self._read[name] = read_program(self._root / name, name)
             except (OSError, ValueError):
                 self._read[name] = None
         source = self._read[name]

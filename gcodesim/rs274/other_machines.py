@@ -9,10 +9,9 @@ from gcodesim.diagnostics import SourceText
 from gcodesim.frozen import frozen
 from gcodesim.rs274.dialects import Lathe
 
-ForeignKind = Literal["printer", "Klartext", "Okuma", "Sinumerik", "script", "binary", "lathe"]
+ForeignKind = Literal["printer", "Klartext", "Okuma", "Sinumerik", "script", "lathe"]
 
 _HEAD: Final = 120_000  # bytes that are searched: posts and people say at the beginning what a program is for
-_BINARY: Final = b"GCDE"
 _NOTES = re.compile(rb"\([^)\r\n]*\)?|;[^\r\n]*")
 _LINE_END = re.compile(rb"\r\n|\n|\r")
 
@@ -56,12 +55,7 @@ class Foreign:
 
 
 def foreign_of(source: SourceText) -> Foreign | None:
-    """The kind of control that there is no dialect for: a 3D printer's, Heidenhain's, Okuma's, Siemens', a script's.
-
-    Binary G-code (libbgcode, specifications: files begin with GCDE) is none of them.
-    """
-    if source.raw.startswith(_BINARY) and source.raw[len(_BINARY) : len(_BINARY) + 1] < b" ":
-        return Foreign(kind="binary", word=_BINARY.decode(), line=1, column=1)
+    """The kind of control that there is no dialect for: a 3D printer's, Heidenhain's, Okuma's, Siemens', a script's."""
     head = source.raw[:_HEAD].upper()
     if match := _KLARTEXT.search(head):
         return _found("Klartext", match, head)

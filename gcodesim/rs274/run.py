@@ -34,6 +34,7 @@ from gcodesim.rs274.parameters import KEPT, Parameters
 from gcodesim.rs274.presets import preset, unused_presets
 from gcodesim.rs274.probing import tripped
 from gcodesim.rs274.program_file import ProgramFile
+from gcodesim.rs274.program_source import as_text, why_unreadable
 from gcodesim.rs274.reader import Reader
 from gcodesim.rs274.recovery import Recovery
 from gcodesim.rs274.settings import Settings
@@ -65,7 +66,7 @@ class Run:
     """
 
     def __init__(self, source: SourceText, settings: Settings) -> None:
-        self.source = source
+        self.source = source = as_text(source)
         self.settings = settings
         self.findings = Findings()
         self.failed: Diagnostic | None = None
@@ -204,6 +205,7 @@ class Executor:
         self.watches.events(control.out)
         yield from control.out
         control.out.clear()
+        self._refuse_binary()
         self._tell_of_lathe()
 
     def step(self) -> Generator[canon.Event | MoveBatch, Feedback, None]:
@@ -526,6 +528,14 @@ class Executor:
         """What to report in place of the first error of a program for another kind of control."""
         foreign = foreign_of(self.run.source)
         return None if foreign is None else self._foreign("GS016", foreign, *FOREIGN[foreign.kind])
+
+    def _refuse_binary(self) -> None:
+        reason = why_unreadable(self.run.source)
+        if reason:
+            hint = "let the slicer write the file again, or write text: its settings of the printer have a switch"
+            message = f"this binary G-code cannot be read: {reason}"
+            self._report(Diagnostic(code="GS024", message=message, span=Span(self.file.name), hint=hint), None)
+            self.control.finished = self.given_up = True
 
     def _tell_of_lathe(self) -> None:
         lathe = self.control.dialect.lathe

@@ -20,6 +20,7 @@ from gcodesim.frozen import frozen
 from gcodesim.jobs.job import Job, Options
 from gcodesim.jobs.outcome import results_of
 from gcodesim.jobs.results import Results
+from gcodesim.rs274 import read_program
 from gcodesim.setups.memory import forget, key_of, recall, remember
 from gcodesim.setups.setup_file import JobFile, Setup
 from gcodesim.simulation import RunInterrupted, check, prepare, run
@@ -66,7 +67,7 @@ class How:
     said: str = ""
     progress: Callable[[Progress], None] | None = None
     change: Callable[[str, CellChange], CellChange] = lambda _, change: change
-    read: Callable[[Path], SourceText] = SourceText.read
+    read: Callable[[Path], SourceText] = read_program
 
 
 def run_setups(job: JobFile, how: How) -> Iterator[SetupRun]:

@@ -8,6 +8,7 @@ from typing import Final
 from gcodesim.canon.systems import name_of_system
 from gcodesim.diagnostics import SourceText
 from gcodesim.frozen import frozen
+from gcodesim.rs274.program_source import why_unreadable
 from gcodesim.starter.lathe_cell import LatheCell
 from gcodesim.starter.named_beam import NamedBeam
 from gcodesim.starter.printer_cell import PrinterCell, is_print
@@ -58,6 +59,8 @@ def cell_for(program: SourceText) -> bytes:
 
 def first_cell(program: SourceText) -> FirstCell | PrinterCell | LatheCell:
     """What `program` says about its cell. NoCellError for a program that no dialect can read."""
+    if reason := why_unreadable(program):
+        raise NoCellError(f"{program.name} is binary G-code that cannot be read: {reason}")
     if not is_print(program):
         return LatheCell.of(program) or FirstCell.of(program)
     printer = PrinterCell.of(program)

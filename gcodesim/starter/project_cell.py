@@ -10,6 +10,7 @@ from typing import Any, Final
 from gcodesim.declarations.units import find
 from gcodesim.diagnostics import SourceText
 from gcodesim.frozen import frozen
+from gcodesim.rs274 import read_program
 from gcodesim.starter.first_cell import FirstCell, FirstTool, NoCellError
 from gcodesim.starter.scan import ScannedTool
 from gcodesim.starter.tool_files import ToolFile, ToolFileError, read_tools
@@ -128,7 +129,7 @@ def _measured(tool: ReadTool) -> FirstTool:
 
 def _joined(project: Project) -> SourceText:
     """All programs as one, without the ends between them, to see what they ask of a machine."""
-    texts = [SourceText.read(program) for program in project.programs]
+    texts = [read_program(program) for program in project.programs]
     if len(texts) == 1:
         return texts[0]
     lines = [line for text in texts for line in text.lines if line.strip().upper() not in _ENDS]

@@ -132,8 +132,6 @@ def _why_no_cell(foreign: Foreign) -> str:
     )
     if unread is not None:
         return f"{unread} {place}; no dialect of gcodesim reads it"
-    if foreign.kind == "binary":
-        return f"readers of binary G-code {place}; let the slicer write text, or make some of it with `bgcode`"
     if foreign.kind == "script":
         return f"an interpreter of scripts {place}; let that make its own, as `tplang part.tpl > part.nc` of CAMotics"
     remedy = "write one with `dialect: fanuc_lathe`, `machine: lathe_xz`"

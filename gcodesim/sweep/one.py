@@ -18,7 +18,7 @@ from gcodesim.diagnostics.stored import as_stored
 from gcodesim.jobs.job import Options
 from gcodesim.numbers import clean
 from gcodesim.regress.compare import paths_of, value_at
-from gcodesim.rs274 import Settings
+from gcodesim.rs274 import Settings, read_program
 from gcodesim.scale.bundle import FileBundle
 from gcodesim.setups.results import setups_as_json
 from gcodesim.setups.running import How, run_setups
@@ -74,7 +74,7 @@ def _program(said: Mapping[str, Any], folder: Path, out: Path | None) -> tuple[s
         "", CellChange(source=SourceText(SOURCE, b""), part="vary", folder=folder / said["home"])
     )
     loaded = load_cell(cell, (folder,), allow_code=said["allow_code"], change=change)
-    job = prepare(SourceText.read(folder / said["program"]), loaded, _options(said))
+    job = prepare(read_program(folder / said["program"]), loaded, _options(said))
     results = check(job) if said["options"].get("mode") == "check" else run(job, out)[0]
     return results.text(), results.findings
 

@@ -4,6 +4,8 @@ import io
 import json
 import sys
 
+from tests.binary_gcode import file_of
+
 UGLY, FINE, BAD = b"g21g90\ng01x.50f100\nm2\n", b"G21 G90\nG1 X0.5 F100\nM2\n", b"g1x\nm2\n"
 
 
@@ -125,3 +127,20 @@ def test_a_fault_in_the_settings_leaves_programs_alone(cli, tmp_path):
     assert "gcodesim.yaml:1:16: error GS711" in outcome.out and "`lower`" in outcome.out
     assert cli("fmt", "ugly.nc").status == 1
     assert (tmp_path / "ugly.nc").read_bytes() == UGLY
+
+
+def test_binary_programs_are_not_overwritten_by_text(cli, tmp_path, monkeypatch):
+    raw = file_of("M83\nG1 X10 E1 F1200\n")
+    (tmp_path / "print.bgcode").write_bytes(raw)
+    (tmp_path / "fine.nc").write_bytes(FINE)
+    (tmp_path / "slot.nc").unlink()
+
+    assert cli("fmt", "--dialect", "marlin", "print.bgcode").err == (
+        "gcodesim: print.bgcode is binary G-code, and what is written is text: "
+        "gcodesim fmt - < print.bgcode > print.gcode\n"
+    )
+    assert cli("fmt", ".").err == "0 programs changed, 1 as before, 0 left alone\n"
+    assert (tmp_path / "print.bgcode").read_bytes() == raw
+    monkeypatch.setattr(sys, "stdin", io.TextIOWrapper(io.BytesIO(raw)))
+    outcome = cli("fmt", "--dialect", "marlin", "-")
+    assert outcome.status == 0 and "\nM83\nG1 X10 E1 F1200\n" in outcome.out

@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     from gcodesim.diagnostics import Diagnostic
     from gcodesim.formatting import Formatted, Style
 
+_HEAD = 16  # bytes that show whether a file is binary
+
 _EPILOG = """what is written: one blank between words, none inside; capitals, but small letters for O-words of LinuxCNC,
 whose bodies are indented; numbers without zeros that say nothing, so G01 X.50 is G1 X0.5; points of Fanuc numbers
 stay. Comments, names and the number of lines stay. Before a file is written, each line of the new text is proven to say
@@ -126,15 +128,36 @@ def _programs(paths: list[Path]) -> list[Path]:
     found: dict[Path, None] = {}
     for path in paths:
         if not path.is_dir():
+            _refuse_binary(path)
             found[path] = None
             continue
-        inside = [one for one in programs_in(path) if not one.is_symlink() and not _is_hidden(one.relative_to(path))]
+        inside = [one for one in programs_in(path) if _may_be_written(one) and not _is_hidden(one.relative_to(path))]
         if not inside:
             raise UsageError(f"there is no program in {path} ({' '.join(PROGRAMS)})")
         found |= dict.fromkeys(inside)
     if STDIN in found and len(found) > 1:
         raise UsageError("- is the one program of stdin; name the others in another call")
     return list(found)
+
+
+def _refuse_binary(path: Path) -> None:
+    if path != STDIN and path.is_file() and _is_binary_file(path):
+        text = path.with_suffix(".gcode")
+        raise UsageError(f"{path} is binary G-code, and what is written is text: gcodesim fmt - < {path} > {text}")
+
+
+def _may_be_written(path: Path) -> bool:
+    return not path.is_symlink() and not _is_binary_file(path)
+
+
+def _is_binary_file(path: Path) -> bool:
+    from gcodesim.rs274 import is_binary
+
+    try:
+        with path.open("rb") as file:
+            return is_binary(file.read(_HEAD))
+    except OSError:
+        return False  # it cannot be read either, which is told where that is tried
 
 
 def _is_hidden(path: Path) -> bool:

@@ -133,7 +133,7 @@ CODES: tuple[Code, ...] = (
         title="A program for another kind of machine",
         what="The file has words of a 3D printer, of a lathe, of Heidenhain's Klartext, of an Okuma OSP or of a "
         "Sinumerik, and the dialect does not read those; or it is a script that makes a program, as those of CAMotics "
-        "(.tpl), and no script is run here; or it is binary G-code (.bgcode).",
+        "(.tpl), and no script is run here.",
         why="Read as the program of a mill it would be full of errors, or run and mean something else.",
         remedy="Let the post-processor write for one of the controls that `gcodesim list dialects` shows.",
     ),
@@ -184,5 +184,15 @@ CODES: tuple[Code, ...] = (
         what="`fmt --check` found lines that `fmt` would write differently. What the program does is the same.",
         why="Programs in one style can be compared line by line, and differences between them mean something.",
         remedy="Run `gcodesim fmt` on the file; `gcodesim fmt --diff` shows what changes.",
+    ),
+    Code(
+        code="GS024",
+        severity=Severity.ERROR,
+        title="Binary G-code that cannot be read",
+        what="The file is binary G-code (.bgcode), as PrusaSlicer writes it for some printers, but it is cut off, a "
+        "checksum is wrong, it is of a version, compression or encoding that is unknown, or it would become larger "
+        "than 2 GB.",
+        why="What is lost or damaged may be any part of the program, and a printer would refuse the file, too.",
+        remedy="Copy the file or let the slicer write it again; or write text, which is a switch in its settings.",
     ),
 )

@@ -21,10 +21,6 @@ FOREIGN: Final = {
         "this is a program for a Sinumerik (`{word}`): no dialect here reads it",
         "let the post write plain blocks, for a Fanuc control as an example",
     ),
-    "binary": (
-        "this is binary G-code (`{word}`), as PrusaSlicer writes it for some printers: no dialect here reads it",
-        "switch off binary G-code in the slicer's settings of the printer, or make text of the file with `bgcode`",
-    ),
     "script": (
         "this is a script that makes a program (`{word}`), as those of CAMotics: no script is run here",
         "let it make its program, as with `tplang part.tpl > part.nc` of CAMotics, and take that",

@@ -31,7 +31,6 @@ LINUXCNC_LATHE = "G21 G18 G7\nT1 M6\nS800 M3\nG0 X30 Z2\nG1 X24 Z0 F80\nZ-20\nM5
         ("VC1=VC1+1\nG56 H1\nM2\n", 1, "Okuma"),
         ("var depth = -2\ntool(1);\n", 1, "script"),
         ("function side(x) {\n  cut({x: x})\n}\n", 1, "script"),
-        ("GCDE\x01\0\0\0\x01\0Producer=PrusaSlicer 2.8.1\n", 1, "binary G-code"),
     ],
 )
 @pytest.mark.parametrize("dialect", ["linuxcnc", "fanuc", "grbl"])
