@@ -291,7 +291,12 @@ class FlowControl:
         if frame.by_m98:
             raise Fault("GS130", f"the subroutine {show(label)} begins inside a program called by M98")
         if len(self.frames) > 1:
-            return  # as on the control, only the main program defines: one inside another is executed in passing
+            # as on the control, only the main program defines: one inside another is executed in passing
+            if label != self.frame.name:
+                message = f"the subroutine {show(label)} stands inside {show(self.frame.name)}, which was called"
+                hint = "its lines are executed in passing; LinuxCNC 2.10 refuses them: define it in the main program"
+                self.control.warn("GS130", message, hint)
+            return
         known = self.subs.get(label)
         if known is not None:
             if known == (frame.file, index):

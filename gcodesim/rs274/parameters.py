@@ -47,6 +47,9 @@ _WHERE_FROM = {
 }
 
 
+_OF_MACHINE = {"_hal": "a pin of the running machine", "_ini": "a value of the machine's INI file"}
+
+
 class Parameters:
     """Numbered parameters of the program and named ones of the running subroutine and of all.
 
@@ -111,6 +114,12 @@ class Parameters:
 
         near = get_close_matches(name, [*self.locals, *self.globals], n=1)
         return f"did you mean #<{near[0]}>?" if near else ""
+
+    def check_setting(self, name: str) -> None:
+        """Raise `Fault` for a #<name> that a program may not set; a cell or a command line may give it a value."""
+        place = name.partition("[")[0]
+        if place in _OF_MACHINE and "]" in name:
+            raise Fault("GS122", f"#<{name}> is {_OF_MACHINE[place]} and cannot be set")
 
     def set_by_program(self, number: int, value: float) -> None:
         """`#number=value` in a program."""

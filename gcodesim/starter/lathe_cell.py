@@ -48,13 +48,20 @@ _NOTE: Final = re.compile(r"\(([^()]*)\)|;(.*)")
 
 @dataclass(slots=True)
 class _Use:
-    """What a tool does; lengths [m], radii. `comment` stands at its first call, or in a list of tools, in `line`."""
+    """What a tool does; lengths [m], radii. `comment` stands at its first call, or in a list of tools, in `line`.
+
+    `inward` is how many times it left a cut along Z towards the axis, less those away from it; `innermost` the least
+    radius at which it was below Z0.
+    """
 
     line: int = 0
     comment: str = ""
     inch: bool = False
     feeds: list[tuple[float, float, float, float]] = field(default_factory=list)  # radius, z at begin and end
     threads: list[tuple[float, float, float, float]] = field(default_factory=list)  # the same of passes with a pitch
+
+    inward: int = 0
+    innermost: float = math.inf
 
     @property
     def kind(self) -> str:
@@ -65,7 +72,7 @@ class _Use:
         if told is not None:
             return told
         drills = self.feeds and all(max(abs(a), abs(b)) < _AXIS for a, _, b, _ in self.feeds)
-        return "drill" if drills else "turning_tool"
+        return "drill" if drills else "boring_tool" if self.inward > 0 else "turning_tool"
 
 
 @frozen
@@ -121,6 +128,15 @@ class LatheCell:
         return math.ceil(2.0 * max(turned or feeds) / MM) * 0.5 * MM + 0.5 * _BESIDE
 
     @property
+    def _bore(self) -> float:
+        """Radius of the hole that the bar has: one in which a tool works that no drill made room for, else 0."""
+        kinds = {use.kind for use in self.uses.values()}
+        if "drill" in kinds:
+            return 0.0
+        inside = min((use.innermost for use in self.uses.values() if use.kind == "boring_tool"), default=0.0)
+        return max(0.0, math.floor(2.0 * inside / MM) * 0.5 * MM - 0.5 * _BESIDE) if math.isfinite(inside) else 0.0
+
+    @property
     def _span(self) -> tuple[float, float]:
         """Lower end and face of the bar."""
         low = min(min(z, w) for _, z, _, w in self._feeds)
@@ -149,6 +165,11 @@ class LatheCell:
             "stock:",
             f"  cylinder: [{_mm(diameter)} mm, {_mm(top - low)} mm]",
             f"  xyz: [0, 0, {_mm(low)}]",
+            *(
+                [f"  bore: {_mm(2.0 * self._bore)} mm    # a tool goes in there, and nothing drills"]
+                if self._bore
+                else []
+            ),
             f"  chuck: {{diameter: {_mm(diameter + 60.0 * MM)} mm, grip: {_mm(_GRIP)} mm}}",
             "  # material: 42crmo4    # `gcodesim list materials`; with it there are forces and power",
             "",
@@ -206,6 +227,7 @@ def _uses(events: Iterator[canon.Event], program: SourceText) -> tuple[dict[int,
     uses: dict[int, _Use] = {}
     number, fastest = 0, 0.0
     at: tuple[float, float] | None = None
+    before: tuple[float, float] | None = None
     for event in events:
         if isinstance(event, canon.ToolChange | canon.ToolNumber):
             number = event.tool
@@ -220,7 +242,9 @@ def _uses(events: Iterator[canon.Event], program: SourceText) -> tuple[dict[int,
                 use = uses.setdefault(number, _Use())
                 passes = use.feeds if getattr(event, "pitch", None) is None else use.threads
                 passes.append((at[0], at[1], *here))
-            at = here
+            if at is not None and number in uses:
+                _note_inside(uses[number], at, here, before)
+            at, before = here, at
     loose = uses.pop(0, None)
     first = 0
     if loose is not None:
@@ -229,6 +253,17 @@ def _uses(events: Iterator[canon.Event], program: SourceText) -> tuple[dict[int,
         taken.feeds.extend(loose.feeds)
         taken.threads.extend(loose.threads)
     return uses, fastest, first
+
+
+_RadiusAndZ = tuple[float, float]
+
+
+def _note_inside(use: _Use, begin: _RadiusAndZ, end: _RadiusAndZ, before: _RadiusAndZ | None) -> None:
+    """Take down how far inside a move goes, and which way it leaves the move along Z that came before it."""
+    if end[1] < 0.0:
+        use.innermost = min(use.innermost, end[0], begin[0] if begin[1] < 0.0 else math.inf)
+    if before is not None and before[1] > begin[1] and begin[1] < 0.0 and before[0] == begin[0] != end[0]:
+        use.inward += 1 if end[0] < begin[0] else -1
 
 
 def _take_list(uses: dict[int, _Use], program: SourceText) -> None:

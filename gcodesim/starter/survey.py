@@ -46,6 +46,8 @@ _FANUC_FLOW = re.compile(
     r"\bIF\s*\[.{0,250}?GOTO|\bWHILE\s*\[.{0,250}?\bDO\s*[123]|(?<![A-Za-z])G65\s*P|M98\s*P", re.IGNORECASE
 )
 _LIKE_GRBL = re.compile(r"\bgrbl\b|laser|lightburn", re.IGNORECASE)  # most lasers have it or behave as it does
+_LIKE_MARLIN = re.compile(r"\bG0*4\s*S\s*[0-9.]+", re.IGNORECASE)
+_NAMES_MARLIN = re.compile(r"\bmarlin\b|\bfabtotum\b", re.IGNORECASE)
 _HOLES: Final = frozenset(f"G{number}" for number in (73, 74, 76, *range(81, 90)))
 
 Bounds = tuple[Array, Array]
@@ -224,6 +226,10 @@ def _told_dialect(program: SourceText) -> tuple[str, str]:
             return "fanuc", f"program number in line {number}"
         if _FANUC_FLOW.search(words):
             return "fanuc", f"`{words[:24]}` in line {number}"
+        if found := _LIKE_MARLIN.search(words):
+            return "marlin", f"`{found[0]}` in line {number}: only such firmware waits for seconds in S"
+        if words != text.strip() and _NAMES_MARLIN.search(text):
+            return "marlin", f"line {number} names its firmware"
         if words != text.strip() and (named := _LIKE_GRBL.search(text)):
             return "grbl", f"line {number} names {'it' if named[0].lower() == 'grbl' else 'a laser'}"
     has_change = re.search(rb"[mM][ \t]*0*6(?![0-9])|[gG][ \t]*4[123](?![0-9.])|[gG]8[1-9]|#", program.raw)

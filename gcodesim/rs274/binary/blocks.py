@@ -99,9 +99,7 @@ def _block_at(view: memoryview, at: int, number: int) -> tuple[BinaryBlock, int]
         raise BinaryReadError(f"the file ends in {place}")
     kind, compression, size = _BLOCK.unpack_from(view, at)
     if kind >= len(NAMES):
-        raise BinaryReadError(
-            f"{place} is of kind {kind}, which is unknown: it is damaged, or of a newer version"
-        )
+        raise BinaryReadError(f"{place} is of kind {kind}, which is unknown: it is damaged, or of a newer version")
     place = f"block {number} ({NAMES[kind]}) at byte {at}"
     cut = BinaryReadError(f"the file ends in {place}")
     if compression not in _MOST_OF_A_BYTE:

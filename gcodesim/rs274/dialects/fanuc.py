@@ -122,7 +122,7 @@ _UNSIMULATED = {
     431: "tool length along the tool's axis",
     450: "tool offset along the axes",
     460: "tool offset along the axes",
-    470: "tool offset along the axes",
+    470: "tool offset along the axes, or the engraving of a text (Haas)",
     480: "tool offset along the axes",
     491: "tool centre point control",
     544: "workpiece setting error compensation",

@@ -24,6 +24,7 @@ _SEQUENCE = re.compile(rf"{_BLANK_OR_NOTE}(?:/[1-9]?\s*)?[Nn]\s*0*([0-9]{{1,15}}
 _HEAD = re.compile(rf"{_BLANK_OR_NOTE}(?:/[1-9]?{_BLANK_OR_NOTE}|[Nn]\s*[0-9]{{1,15}}{_BLANK_OR_NOTE})*")
 _EXTERNAL = re.compile(r"PRNT|POPEN|PCLOS|SETVN", re.IGNORECASE)
 _LOOP = re.compile(r"(DO|END)\s*([0-9]{1,15})(?![0-9])")
+_END = re.compile(r"[Mm]\s*0*(?:2|30|99)(?![0-9])")
 _NOTE = re.compile(r"\([^)]*\)|;.*")
 _MACRO_CALLS = frozenset((("g", 65.0), ("g", 66.0), ("g", 66.1)))
 MOST_LOOPS = 3
@@ -225,14 +226,21 @@ class FanucFile(ProgramFile):
 
     @cached_property
     def parts(self) -> list[FanucProgram]:
-        """The programs in their order; text before the first O is a program without number when it says anything."""
+        """The programs in their order.
+
+        Blocks before the first O are a program without number if they have an end, else they begin the first one, as
+        on a control that executes the file block by block.
+        """
         opening = [index for index in self.lines_with("oO:<") if self.begin <= index < self.end]
         heads = [(index, number) for index in opening if (number := self._head(index)) is not None]
         if not heads:
             return [FanucProgram(None, self.begin, self.end)]
         parts = []
-        if any(_NOTE.sub("", line).strip() for line in self.lines[self.begin : heads[0][0]]):
+        before = [_NOTE.sub("", line) for line in self.lines[self.begin : heads[0][0]]]
+        if any(_END.search(line) for line in before):
             parts.append(FanucProgram(None, self.begin, heads[0][0]))
+        elif any(line.strip() for line in before):
+            heads[0] = (self.begin, heads[0][1])
         for (index, number), following in zip(heads, [*heads[1:], (self.end, 0)], strict=True):
             parts.append(FanucProgram(number, index, following[0]))
         return parts

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
 Act = Callable[["PrinterExecutor", MarlinLine], None]
 _XYZE: Final = "xyze"
+_FULL_POWER: Final = 255.0
 
 
 def _e_mode(relative: bool) -> Act:
@@ -153,6 +154,31 @@ def _message(do: PrinterExecutor, line: MarlinLine) -> None:
     do.control.out.append(canon.Message(span=do.control.span, text=line.text))
 
 
+def _spindle(direction: int) -> Act:
+    """M3, M4: S turns a minute. Firmware of Marlin's kind may count S to 255, or in per cent: then it says no speed."""
+
+    def act(do: PrinterExecutor, line: MarlinLine) -> None:
+        state, speed = do.control.state, line.get("s")
+        if speed is not None and (speed > _FULL_POWER or do.dialect.name == "reprapfirmware"):
+            state.speed = speed
+        elif speed is not None or not state.speed:
+            do.skip(line.name, line)
+            return
+        state.spindle = direction
+        do.control.say_spindle()
+
+    return act
+
+
+def _spindle_off(do: PrinterExecutor, line: MarlinLine) -> None:
+    """M5."""
+    if not do.control.state.spindle:
+        do.skip(line.name, line)
+        return
+    do.control.state.spindle = 0
+    do.control.say_spindle()
+
+
 def _end(do: PrinterExecutor, line: MarlinLine) -> None:
     """M2, M112: nothing more is done."""
     do.control.out.append(canon.End(span=do.control.span))
@@ -164,6 +190,9 @@ CODES: Final[dict[str, Act]] = {
     "M1": _stop,
     "M2": _end,
     "M112": _end,
+    "M3": _spindle(1),
+    "M4": _spindle(-1),
+    "M5": _spindle_off,
     "M82": _e_mode(False),
     "M83": _e_mode(True),
     "M117": _message,

@@ -675,3 +675,16 @@ def test_a_turret_turns_while_the_spindle_goes_on(program):
     assert {event["line"] for event in mill.acts("spindle")} == {4, 8}
     assert [f.code for f in lathe.findings] == []
     assert "GS176" in [f.code for f in mill.findings]
+
+
+def test_words_before_the_first_program_number_begin_its_program(program):
+    done = program("%\nG20 (INCH)\nO0012\nG90 G0 X1.\nM98 P5\nM30\nO0005\nG0 X2.\nM99\n%\n", dialect="fanuc")
+    assert not done.errors and [end[0] for end in done.ends] == [25.4, 50.8]
+
+    own = program("G21 G0 X1.\nM30\nO0012\nG0 X2.\nM30\n", dialect="fanuc")
+    assert not own.errors and [end[0] for end in own.ends] == [1]
+
+
+def test_engraving_of_text_is_told_as_such(program):
+    (fault,) = program("O1\nG21 G47 P0 X2. Y2. J5. R1. Z-.2 F300. E200. (TEXT)\nM30\n", dialect="fanuc").errors
+    assert fault.code == "GS915" and "engraving of a text (Haas)" in fault.message

@@ -317,3 +317,15 @@ def test_conditions_of_reprapfirmware_are_refused(printed, line):
 
 def test_a_message_of_a_wait_is_no_word(printed):
     assert [f.code for f in printed("M0 Click to go on\nG1 X1 F60\n").findings if f.code == "GS194"] == []
+
+
+def spindle(done):
+    return [(e["dir"], e["speed"]) for e in done.acts("spindle")]
+
+
+def test_the_spindle_turns_where_s_is_a_speed(printed):
+    """S up to 255 may be a part of full power: no speed is known then."""
+    assert spindle(printed("M3 S10000\nG4 S1\nM4\nM5\n")) == [("cw", 10000), ("ccw", 10000), ("off", 0)]
+    unknown = printed("M3 S255\nM5\n")
+    assert spindle(unknown) == [] and [f.code for f in unknown.findings if f.code == "GS907"] == ["GS907"] * 2
+    assert spindle(printed("M3 S200\nM5\n", "reprapfirmware")) == [("cw", 200), ("off", 0)]

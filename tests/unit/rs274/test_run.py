@@ -324,3 +324,37 @@ def test_a_feed_that_is_named_again_is_missed_no_more(program):
     done = program("G21 G90\nG1 X1 F\nG1 X2\nG1 X3 F100\nG93\nG1 X4\nM2")
 
     assert [(f.code, f.span.line) for f in done.errors] == [("GS004", 2), ("GS107", 6)]
+
+
+def test_values_of_the_ini_file_are_read_only(program):
+    done = program("G21\n#<_ini[axis_x]max> = 1\nM2")
+    assert [(f.code, f.span.line, f.span.column) for f in done.errors] == [("GS122", 2, 1)]
+    given = {"_ini[axis_x]max": 7.0}
+    assert program("G21\nG0 X#<_ini[axis_x]max>\nM2", presets=given).ends == [[7, 0, 0]]
+    assert [f.code for f in program("#<_ini[axis_x]max> = 1\nM2", presets=given).errors] == ["GS122"]
+    assert [f.code for f in program("#<_hal[a.b]> = 1\nM2").errors] == ["GS122"]
+    assert not program("#<_initial> = 1\nM2").findings
+
+
+def test_r_of_g64_is_told_and_changes_no_path(program):
+    done = program("G21\nG64 P0.01 R0.5\nG1 X1 F100\nM2")
+    (note,) = done.findings
+    assert (note.code, note.span.line, note.span.column) == ("GS913", 2, 11)
+    assert "2.9 refuses it" in note.hint
+    assert done.acts("path_mode") == program("G21\nG64 P0.01\nG1 X1 F100\nM2").acts("path_mode")
+    assert [f.code for f in program("M3 S100\nG64 R1 M19\nM2").errors] == ["GS104"]
+
+
+def test_a_subroutine_inside_a_called_one_is_executed_in_passing_and_told(program, tmp_path):
+    """LinuxCNC 2.9: the inner `endsub` returns from the outer one, as interp_o_word.cc has it; 2.10 refuses."""
+    (tmp_path / "outer.ngc").write_text("o<outer> sub\nG0 X1\no<b> sub\nG0 X2\no<b> endsub\nG0 X3\no<outer> endsub\n")
+    done = program("G21\no<outer> call\nG0 X9\nM2", subroutines=(tmp_path,))
+
+    assert [end[0] for end in done.ends] == [1, 2, 9]
+    (warning,) = done.findings
+    assert (warning.code, warning.level, warning.span.file, warning.span.line) == (
+        "GS130",
+        Severity.WARNING,
+        "outer.ngc",
+        3,
+    )

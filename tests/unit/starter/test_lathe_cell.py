@@ -8,7 +8,7 @@ import pytest
 
 from gcodesim.cell.loader import read_cell
 from gcodesim.diagnostics import Severity, SourceText
-from gcodesim.simulation import check, prepare
+from gcodesim.simulation import check, prepare, run
 from gcodesim.starter.first_cell import first_cell
 from gcodesim.starter.needs import guesses_of, needs_of
 
@@ -153,3 +153,19 @@ def test_a_list_of_tools_in_comments_says_what_their_tips_are() -> None:
     assert "1: {type: turning_tool, nose_radius: 0.8 mm, tip_angle: 80 deg}    # 80* Rough Turning Tool" in text
     assert "2: {type: boring_tool, nose_radius: 0.4 mm, tip_angle: 35 deg}    # 35* Boring" in text
     assert "4: {type: turning_tool, orientation: 1}" in text
+
+
+def test_a_bar_is_hollow_where_a_tool_goes_in_and_nothing_drills() -> None:
+    """The rapid between two passes of the borer goes through what a solid bar would have there."""
+    text = (TOP / "programs" / "bushing.nc").read_text()
+    tools, cell = made(text)
+    assert tools[1] == "boring_tool" and "bore: 14 mm" in cell  # it draws back to X15
+
+    loaded = read_cell(SourceText("cell.yaml", cell.encode()), Path("cell.yaml"))
+    results, _ = run(prepare(SourceText("p.ngc", text.encode()), loaded))
+    assert "GS401" not in {finding.code for finding in results.findings}
+
+    tools, cell = made(
+        text.replace("T1 M6\n", "T4 M6 (DRILL 16)\nG43 H4\nS1200 M3\nG0 X0 Z3\nG1 Z-24\nG0 Z40\nT1 M6\n")
+    )
+    assert tools[4] == "drill" and "bore" not in cell.replace("boring", "")

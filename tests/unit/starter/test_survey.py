@@ -22,6 +22,10 @@ FANUC = (
     "G01 Z-3. F300.\nX52. F600.\nG00 Z15.\nM05\nG28 G91 Z0.\nG90\nG49\nT4 M06\nS3000 M03\nG54\nG00 X20. Y15.\n"
     "G43 Z15. H04\nG98 G83 X20. Y15. Z-9. R2. Q3. F150.\nX30.\nG80\nM05\nG28 G91 Z0.\nM30\n%\n"
 )
+FABTOTUM = (
+    "; milled on a FABtotum\nG21\nG90\nM3 S10000\nG4 S3\nG0 Z5 F1000\nG0 X10 Y10\nG1 Z-1 F200\nG1 X40 F600\nG0 Z5\n"
+    "M5\nM732 S0\n"
+)
 
 
 def source(text: str) -> SourceText:
@@ -43,6 +47,9 @@ def verdict(text: str, tmp_path: Path) -> tuple[str, set[str], dict[str, float]]
     [
         (HAND, "grbl"),
         (FANUC, "fanuc"),
+        (FANUC.replace("%\nO0012", "%\nG90\nO0012"), "fanuc"),
+        (FABTOTUM, "marlin"),
+        (FABTOTUM.replace("G4 S3\n", "").replace("; milled on a FABtotum\n", "; post for Marlin\n"), "marlin"),
         ("#1=3\nWHILE[#1GT0]DO1\n#1=#1-1\nEND1\nG0 X1\nM30\n", "fanuc"),
         ("G21 G90\no100 while [#1 lt 3]\n#1=[#1+1]\nG1 X#1 F100\no100 endwhile\nM2\n", "linuxcnc"),
         ("(post for grbl)\nG21\nG1 X1 Y1 F100\nM30\n", "grbl"),
@@ -346,3 +353,11 @@ def test_a_program_without_a_unit_has_that_of_its_tools(tmp_path) -> None:
     assert status == "ok" and not found
     said = text.replace("G90", "G90 G21")
     assert "startup" not in cell_for(source(said)).decode()
+
+
+def test_a_mill_of_a_printers_firmware_cuts_in_its_first_cell(tmp_path: Path) -> None:
+    """A slot 1 mm deep over 30 mm with the guessed end mill of 6 mm."""
+    status, worse, removed = verdict(FABTOTUM, tmp_path)
+
+    assert (status, worse) == ("ok", set())
+    assert 0.4 * 30 * 6 < removed["stock"] < 30 * 6 + 60
