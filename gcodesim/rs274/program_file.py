@@ -50,7 +50,12 @@ def is_percent(text: str) -> bool:
 
 
 class ProgramFile:
-    """Lines are addressed by index from 0; line numbers in findings are one more."""
+    """Lines are addressed by index from 0; line numbers in findings are one more.
+
+    `decides`: by how far lines are indented, commands of the program decide which of them are executed.
+    """
+
+    decides = False
 
     def __init__(self, source: SourceText, reader: Reader) -> None:
         self.source = source

@@ -44,7 +44,11 @@ _KLIPPER = re.compile(
     rb"|^;[ \t]*gcode_flavor = klipper|^;FLAVOR:Klipper",
     re.MULTILINE,
 )
-_REPRAP = re.compile(rb"^[ \t]*M(?:566|98 )|^;[ \t]*gcode_flavor = reprap|^;FLAVOR:RepRap", re.MULTILINE)
+_REPRAP = re.compile(
+    rb"^[ \t]*M(?:566|98 )|^[ \t]*(?:var|global)[ \t]+[A-Za-z]\w*[ \t]*=|^[ \t]*set[ \t]+(?:var|global)\."
+    rb"|^;[ \t]*gcode_flavor = reprap|^;FLAVOR:RepRap",
+    re.MULTILINE,
+)
 _MARLIN = re.compile(rb"^;[ \t]*gcode_flavor = marlin\w*|^;FLAVOR:Marlin", re.MULTILINE)
 _REPRAP_OR_BUDDY = re.compile(rb"^[ \t]*M(?:572|593)\b", re.MULTILINE)  # newer firmware of Marlin's kind has them, too
 _SLICER = re.compile(
@@ -60,7 +64,7 @@ _BEAD = re.compile(rb"^[ \t]*G0?1[ \t][^;(\r\n]*Y-?[0-9.][^;(\r\n]*[ \t]E[0-9.]"
 def is_print(program: SourceText) -> bool:
     """Whether a program is one for a printer: its heaters say so, its slicer, or beads in the plane."""
     foreign = foreign_of(program)
-    if foreign is not None:
+    if foreign is not None and foreign.kind != "script":  # `var x = 1` is a line of RepRapFirmware, too
         return foreign.kind == "printer"
     raw = program.raw
     return bool(_BEAD.search(raw) or (_EXTRUDES.search(raw) and (_SLICER.search(raw) or _KLIPPER.search(raw))))

@@ -113,7 +113,8 @@ CODES: tuple[Code, ...] = (
         code="GS120",
         severity=Severity.ERROR,
         title="Parameter without a value",
-        what="The program reads a named parameter that was never set.",
+        what="The program reads a named parameter or a variable that was never set, or a value that only the running "
+        "machine knows, such as those of RepRapFirmware's object model.",
         why="Taking it for 0 would move the machine to a place that nobody chose.",
         remedy="Set it first, or ask with EXISTS[#<name>].",
     ),
@@ -129,7 +130,7 @@ CODES: tuple[Code, ...] = (
         code="GS122",
         severity=Severity.ERROR,
         title="Parameter that cannot be set",
-        what="The parameter shows the state of the machine.",
+        what="The parameter shows the state of the machine, or stands in its INI file.",
         why="Writing it would not move the machine.",
         remedy="Use another parameter.",
     ),
@@ -155,7 +156,8 @@ CODES: tuple[Code, ...] = (
         title="Flow that does not fit together",
         what=(
             "An O-word lacks its partner, is used twice, or stands where it cannot; on Fanuc a DO has no END, loops "
-            "cross, or M99 leads nowhere."
+            "cross, or M99 leads nowhere; in RepRapFirmware an `else` has no `if`, a `break` no loop, or a variable is "
+            "defined twice."
         ),
         why="The flow of the program is broken.",
         remedy=(

@@ -156,8 +156,7 @@ CODES += (
         code="GS915",
         severity=Severity.ERROR,
         title="A code that cannot be left out",
-        what="The control has this code, the simulation has not, and the moves behind it mean something else with it: "
-        "G codes, and conditions, loops and variables of RepRapFirmware (`if`, `while`, `var`, `set` …).",
+        what="The control has this code, the simulation has not, and the moves behind it mean something else with it.",
         why="Simulated without it they would be other moves than those of the machine.",
         remedy="Simulate the rest of the program by itself, or let the post write plain moves.",
     ),

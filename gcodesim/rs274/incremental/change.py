@@ -39,6 +39,8 @@ def change_between(old: ProgramFile, new: SourceText) -> TextChange | None:
     """The change; None for one after which the whole program has to be read again."""
     if old.source.raw == new.raw:
         return TextChange(first=0, last=0, shift=0, depends_on=0, is_one=False)
+    if old.decides:  # a line may open or close a block around any other
+        return None
     before, after = old.lines, new.lines
     first, tail = _alike(old.source, new)
     removed, added = before[first : len(before) - tail], after[first : len(after) - tail]

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Generator
 from dataclasses import replace
 from typing import Final
 
 from gcodesim import canon
+from gcodesim.canon.batch import MoveBatch
 from gcodesim.canon.printing import MotionLimits
 from gcodesim.diagnostics import Diagnostic, SourceText, Span
 from gcodesim.diagnostics.text import LONG
@@ -16,6 +18,9 @@ from gcodesim.rs274.flow import FlowControl
 from gcodesim.rs274.lanes import WORTH_COMPILING, Lane, Lanes, LongLanes
 from gcodesim.rs274.marlin.codes import CODES
 from gcodesim.rs274.marlin.comments import take_comment
+from gcodesim.rs274.marlin.duet.blocks import IndentedBlocks
+from gcodesim.rs274.marlin.duet.commands import Interpreter, command_of, filled
+from gcodesim.rs274.marlin.duet.frame import BlockFrame
 from gcodesim.rs274.marlin.halted_print import HaltedPrint
 from gcodesim.rs274.marlin.limits import first_limits, first_retraction
 from gcodesim.rs274.marlin.line import MarlinLine, line_of
@@ -26,7 +31,7 @@ from gcodesim.rs274.marlin.printer_file import PrinterFile
 from gcodesim.rs274.marlin.said import remember
 from gcodesim.rs274.other_machines import foreign_of
 from gcodesim.rs274.program_file import ProgramFile
-from gcodesim.rs274.run import MOST_NOTES, Executor, Run
+from gcodesim.rs274.run import MOST_NOTES, Executor, Feedback, Run
 from gcodesim.rs274.settings import MappedAction
 from gcodesim.rs274.state import Vector
 from gcodesim.rs274.tool_table import ToolEntry
@@ -78,6 +83,8 @@ class PrinterExecutor(Executor):
         self._mounted = -1
 
     def _own_lanes(self) -> Lanes | None:
+        if self.file.decides:
+            return None
         size, choice = len(self.run.source.raw), self.run.settings.lane
 
         def open_lane(may_compile: bool) -> Lane | None:
@@ -89,7 +96,13 @@ class PrinterExecutor(Executor):
 
     def _parts(self, source: SourceText) -> tuple[ProgramFile, Control, FlowControl]:
         file, control = PrinterFile(source, self.reader), Control(self.settings, self.dialect)
-        return file, control, FlowControl(control, file, self.reader, self.folders)
+        flow = FlowControl(control, file, self.reader, self.folders)
+        self.meta: Interpreter | None = None
+        if file.has_expressions:
+            blocks = IndentedBlocks(counts=b"iterations" in source.raw)
+            flow.frames = [BlockFrame(file, file.first, blocks=blocks)]
+            self.meta = Interpreter(blocks, control, flow, decides=file.decides)
+        return file, control, flow
 
     def _initial_path_control(self) -> None:
         super()._initial_path_control()
@@ -109,7 +122,14 @@ class PrinterExecutor(Executor):
         control.span = Span.of_line(file.name, index + 1, text)
         control.block_number = self.blocks
         try:
-            line = line_of(text)
+            if self.meta is not None:
+                if self.meta.decides and file is self.file and not self.meta.arrives(index, text):
+                    return
+                if (command := command_of(text)) is not None:
+                    self.meta.execute(command, index)
+                    self._watch(control.out)
+                    return
+            line = line_of(text) if self.meta is None or "{" not in text else self._filled(text, index, self.meta)
             if line.note and not line.name and not line.values and take_comment(line.note, self.printer):
                 control.out.append(canon.SectionStart(span=control.span, section=self.printer.section))
             self._check_sum(line)
@@ -123,6 +143,25 @@ class PrinterExecutor(Executor):
             self._fault(Fault("GS123", "a value is too large to be computed with"), file, index, text, None)
         if len(control.notes) > MOST_NOTES:
             self.hand_over_notes()
+
+    def _filled(self, text: str, index: int, meta: Interpreter) -> MarlinLine:
+        """A line with its expressions computed; words are where they stand in the program."""
+        made = filled(text, meta, index)
+        try:
+            line = line_of(made.text)
+        except Fault as fault:
+            fault.at = made.place(fault.at) if type(fault.at) is tuple else fault.at
+            raise
+        line.place = made.place(line.place)
+        line.places = {letter: made.place(place) for letter, place in line.places.items()}
+        line.stray = None if line.stray is None else made.place(line.stray)
+        return line
+
+    def step(self) -> Generator[canon.Event | MoveBatch, Feedback, None]:
+        frame = self.flow.frame
+        if self.meta is not None and self.meta.decides and frame.at >= len(frame.file.lines):
+            self.meta.ends()
+        yield from super().step()
 
     def _startup_blocks(self, text: str) -> list[str]:
         """A line for each command, since a printer's line has one; each stands where it stands in the cell."""
@@ -183,12 +222,9 @@ class PrinterExecutor(Executor):
 
     def _macro(self, line: MarlinLine) -> None:
         if self.dialect.name == "reprapfirmware" and line.name in _META:
-            raise Fault(
-                "GS915",
-                f"`{line.name.lower()}` of RepRapFirmware is not simulated, so what follows would be a guess",
-                at=line.place,
-                hint="what a macro of the printer decides is no part of a print: leave it out, or write the moves",
-            )
+            word = line.name.lower()
+            hint = f"`{word}` is written in small letters"
+            raise Fault("GS001", "this is no command in capital letters", at=line.place, hint=hint)
         if line.name in MACROS:
             MACROS[line.name](self, line)
         else:

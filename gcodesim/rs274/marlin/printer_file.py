@@ -4,14 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from gcodesim.diagnostics import SourceText
 from gcodesim.rs274.block import ColumnRange
+from gcodesim.rs274.marlin.duet.commands import has_commands
 from gcodesim.rs274.marlin.line import MarlinLine, line_of
 from gcodesim.rs274.program_file import ProgramFile
+from gcodesim.rs274.reader import Reader
 from gcodesim.rs274.tokens import VERBATIM, Token
 
 
 class PrinterFile(ProgramFile):
-    """Each line stands for itself."""
+    """Each line stands for itself, unless the program `decides`."""
+
+    def __init__(self, source: SourceText, reader: Reader) -> None:
+        super().__init__(source, reader)
+        self.has_expressions = reader.dialect.name == "reprapfirmware"
+        self.decides = self.has_expressions and has_commands(source.raw)
 
     def heads_before(self, end: int) -> set[int]:
         """Comments of slicers, too: they count layers and have settings of the printer."""
@@ -19,12 +27,17 @@ class PrinterFile(ProgramFile):
         return super().heads_before(end) | notes
 
     def meaning(self, index: int) -> object:
-        line = line_of(self.lines[index])
+        text = self.lines[index]
+        if self._is_as_written(text):
+            return text
+        line = line_of(text)
         said = (line.name, line.values, line.text, line.settings, line.is_macro)
         return said, line.note.strip(), line.number, line.checksum
 
     def tokens(self, index: int) -> list[Token]:
         text = self.lines[index]
+        if self._is_as_written(text):
+            return [Token(VERBATIM, text, (0, len(text)))]
         line = line_of(text)
         if line.checksum is not None:  # it counts every character
             return [Token(VERBATIM, text, (0, len(text)))]
@@ -40,6 +53,10 @@ class PrinterFile(ProgramFile):
         if len(code) < len(text):
             found.append(Token("NOTE", text[len(code) :], (len(code), len(text))))
         return sorted(found, key=lambda token: token.place)
+
+    def _is_as_written(self, text: str) -> bool:
+        """Whether blanks or small letters mean something in a line."""
+        return self.decides or (self.has_expressions and "{" in text)
 
 
 def _words(text: str, line: MarlinLine) -> Iterator[Token]:

@@ -307,14 +307,6 @@ def test_sizes_of_simplify3d_and_layers_of_kiri_moto(printed):
     assert sections[-1].height == pytest.approx(0.25e-3)
 
 
-@pytest.mark.parametrize(
-    "line", ["var speed = 1200", "global n = 3", "set var.n = 4", "if true", "while iterations < 3", "abort"]
-)
-def test_conditions_of_reprapfirmware_are_refused(printed, line):
-    done = printed(f"M83\nG28\nG1 X10 F600\n{line}\n  G1 X20\n", "reprapfirmware")
-    assert [(f.code, f.span.line) for f in done.findings if f.level >= Severity.ERROR] == [("GS915", 4)]
-
-
 def test_a_message_of_a_wait_is_no_word(printed):
     assert [f.code for f in printed("M0 Click to go on\nG1 X1 F60\n").findings if f.code == "GS194"] == []
 

@@ -46,6 +46,9 @@ G1 X40 E2 F1200
 """
 
 
+DUET = PRUSA.replace("M83\n", "var z = 0.3\nM83\n").replace("Z0.3", "Z{var.z}")
+
+
 def read(text):
     return cell_for(SourceText("part.gcode", text.encode()))
 
@@ -63,7 +66,12 @@ def bad(program, loaded):
 
 @pytest.mark.parametrize(
     ("text", "dialect", "width", "height", "filament"),
-    [(PRUSA, "marlin", 0.6, 0.3, 2.85), (KLIPPER, "klipper", 0.45, 0.2, 1.75), (CURA, "marlin", 0.45, 0.15, 1.75)],
+    [
+        (PRUSA, "marlin", 0.6, 0.3, 2.85),
+        (DUET, "reprapfirmware", 0.6, 0.3, 2.85),
+        (KLIPPER, "klipper", 0.45, 0.2, 1.75),
+        (CURA, "marlin", 0.45, 0.15, 1.75),
+    ],
 )
 def test_sizes_are_those_that_the_slicer_says(text, dialect, width, height, filament):
     loaded = cell_of(text)
