@@ -83,8 +83,6 @@ class PrinterExecutor(Executor):
         self._mounted = -1
 
     def _own_lanes(self) -> Lanes | None:
-        if self.file.decides:
-            return None
         size, choice = len(self.run.source.raw), self.run.settings.lane
 
         def open_lane(may_compile: bool) -> Lane | None:
@@ -162,6 +160,11 @@ class PrinterExecutor(Executor):
         if self.meta is not None and self.meta.decides and frame.at >= len(frame.file.lines):
             self.meta.ends()
         yield from super().step()
+
+    def _steps_in_lane(self) -> Generator[canon.Event | MoveBatch, Feedback, bool]:
+        if self.meta is not None and self.meta.decides and not self.meta.blocks.is_outside:
+            return False
+        return (yield from super()._steps_in_lane())
 
     def _startup_blocks(self, text: str) -> list[str]:
         """A line for each command, since a printer's line has one; each stands where it stands in the cell."""

@@ -6,6 +6,7 @@ import math
 
 import pytest
 
+from gcodesim.canon.listing import as_json
 from gcodesim.diagnostics import Severity, SourceText
 from gcodesim.formatting import formatted
 from gcodesim.formatting.style import Style
@@ -214,6 +215,16 @@ def test_a_loop_without_end_is_noticed(duet):
     assert [f.code for f in counting.errors] == ["GS134"]
 
 
+def test_after_a_fault_each_loop_is_read_once(duet):
+    done = duet("set var.a = 1\nwhile true\n  G1 X{var.b}\n  while true\n    G1 X{var.c}\n    continue\nG1 X?\n")
+    assert [(f.code, f.span.line, f.count) for f in done.errors] == [
+        ("GS120", 1, 1),
+        ("GS120", 3, 1),
+        ("GS120", 5, 1),
+        ("GS001", 7, 1),
+    ]
+
+
 def test_sines_are_those_of_the_library():
     assert value_of("sin(1)") == pytest.approx(math.sin(1), abs=1e-15)
 
@@ -254,3 +265,16 @@ def test_an_edited_program_is_read_as_a_new_one():
         fresh = interpret(source, settings)
         ends = [event for event in fresh if hasattr(event, "end")]
         assert lines is broken or state.current[0] == pytest.approx(1e3 * ends[-1].end[0])
+
+
+def test_plain_moves_outside_of_blocks_may_be_read_as_columns():
+    plain = "".join(f"G1 X{n % 7} Y{n % 5} E0.0{n % 9}\n" for n in range(300))
+    loop = "while iterations < 3\n  G1 X{iterations} Y9\n  G1 X8\n  G1 Y8\nG1 X7\n"
+    choice = "if false\n  G1 X1\n  G1 X2\nelse\n  G1 X3\n  G1 X4\nG1 X5\n"
+    text = f"M83\nvar a = 1\n{plain}{loop}{plain}{choice}{plain}  var b = 2\n  G1 X{{var.b}}\n{plain}{loop}"
+    source = SourceText("p.g", text.encode())
+    runs = {lane: interpret(source, Settings(dialect="reprapfirmware", lane=lane)) for lane in ("grammar", "compiled")}
+    told = {lane: [as_json(event) for event in run] for lane, run in runs.items()}
+
+    assert told["compiled"] == told["grammar"] and len(told["grammar"]) > 1200
+    assert not runs["compiled"].findings.has_errors()

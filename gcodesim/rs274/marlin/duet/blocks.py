@@ -61,14 +61,22 @@ class IndentedBlocks:
     def is_passing_over(self) -> bool:
         return self._passed_over is not None
 
+    @property
+    def is_outside(self) -> bool:
+        """Whether no line is passed over or comes again before another command, so that moves need not be told."""
+        return len(self._stack) == 1 and not self.is_passing_over and self._stack[0].state is not BranchState.LOOP
+
     def situation(self) -> tuple[object, ...]:
         """All that decides how the program goes on, as a copy."""
         blocks = tuple((b.indent, b.state, b.loop, dict(b.names)) for b in self._stack)
         rounds = tuple(b.rounds for b in self._stack) if self._counts else ()
         return blocks, rounds, self._passed_over, dict(self.globals)
 
-    def arrive(self, indent: int) -> int | None:
-        """Come to a line; the index of the line to go back to, -1 if this one is passed over, None to execute it."""
+    def arrive(self, indent: int, *, once: bool) -> int | None:
+        """Come to a line; the index of the line to go back to, -1 if this one is passed over, None to execute it.
+
+        `once`: no loop is gone through again, as a program with a fault is only read on.
+        """
         self._skipped = BranchState.PLAIN
         if self._passed_over is not None:
             if indent > self._passed_over:
@@ -79,7 +87,9 @@ class IndentedBlocks:
         while indent < self._stack[-1].indent:
             self._stack.pop()
             if self._stack[-1].state is BranchState.LOOP:
-                return self._stack[-1].loop
+                if not once:
+                    return self._stack[-1].loop
+                self._stack[-1].state = BranchState.PLAIN
         if indent > self._stack[-1].indent:
             self._stack.append(_Indented(indent))
         return None
@@ -117,9 +127,9 @@ class IndentedBlocks:
             self._stack[-1].state = BranchState.PLAIN
             self._pass_over_unless(False)
 
-    def leave_loop(self) -> None:
+    def leave_loop(self, word: str) -> None:
         """`break`."""
-        self._to_loop("break")
+        self._to_loop(word)
         self._stack[-1].state = BranchState.PLAIN
         self._pass_over_unless(False)
 

@@ -85,11 +85,11 @@ class Interpreter:
         """Come to line `index`; false if it is passed over, or the program goes on elsewhere."""
         if not code_of(text).strip():
             return not self.blocks.is_passing_over
-        return self._goes_on(self.blocks.arrive(indent_of(text)))
+        return self._goes_on(self.blocks.arrive(indent_of(text), once=self.flow.failed))
 
     def ends(self) -> bool:
         """Come to the end of the file; false if a loop goes back from there."""
-        return self._goes_on(self.blocks.arrive(0))
+        return self._goes_on(self.blocks.arrive(0, once=self.flow.failed))
 
     def _goes_on(self, back: int | None) -> bool:
         if back is not None and back >= 0:
@@ -214,12 +214,15 @@ def _while(do: Interpreter, command: MetaCommand) -> None:
 
 def _break(do: Interpreter, command: MetaCommand) -> None:
     _nothing_behind(command)
-    do.blocks.leave_loop()
+    do.blocks.leave_loop("break")
 
 
 def _continue(do: Interpreter, command: MetaCommand) -> None:
     _nothing_behind(command)
-    do.go_to(do.blocks.next_round())
+    if do.flow.failed:
+        do.blocks.leave_loop("continue")
+    else:
+        do.go_to(do.blocks.next_round())
 
 
 def _nothing_behind(command: MetaCommand) -> None:
