@@ -104,6 +104,8 @@ class FlowTable:
                 scope = line.label
             row = [0] * at.FLOW
             row[at.FLOW_AT], row[at.KEYWORD], behind = base + line.at, *_keyword(file.lines[line.at], line)
+            if line.keyword == "sub" and line.label != scope:
+                row[at.KEYWORD] = 0  # one inside another, which the grammar's lane tells
             row[at.BEHIND] = int(text.starts[base + line.at]) + behind
             row[at.GROUP] = self.groups.setdefault((file.name, scope, line.label), len(self.labels))
             row[at.FLOW_SCOPE] = self.scope(file.name, scope)

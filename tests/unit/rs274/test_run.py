@@ -345,10 +345,11 @@ def test_r_of_g64_is_told_and_changes_no_path(program):
     assert [f.code for f in program("M3 S100\nG64 R1 M19\nM2").errors] == ["GS104"]
 
 
-def test_a_subroutine_inside_a_called_one_is_executed_in_passing_and_told(program, tmp_path):
+@pytest.mark.parametrize("lane", ["grammar", "compiled"])
+def test_a_subroutine_inside_a_called_one_is_executed_in_passing_and_told(program, tmp_path, lane):
     """LinuxCNC 2.9: the inner `endsub` returns from the outer one, as interp_o_word.cc has it; 2.10 refuses."""
     (tmp_path / "outer.ngc").write_text("o<outer> sub\nG0 X1\no<b> sub\nG0 X2\no<b> endsub\nG0 X3\no<outer> endsub\n")
-    done = program("G21\no<outer> call\nG0 X9\nM2", subroutines=(tmp_path,))
+    done = program("G21\no<outer> call\nG0 X9\nM2", subroutines=(tmp_path,), lane=lane)
 
     assert [end[0] for end in done.ends] == [1, 2, 9]
     (warning,) = done.findings
