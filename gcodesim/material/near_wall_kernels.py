@@ -15,7 +15,7 @@ from gcodesim.compiled import kernel
 from gcodesim.material.field_kernels import Columns, Field
 from gcodesim.material.place_kernels import ToColumns
 from gcodesim.material.query_kernels import surrounding
-from gcodesim.material.wall_kernels import HEIGHT, LOWER, SECOND
+from gcodesim.material.wall_kernels import ABOVE, HEIGHT, HUNG, LOWER, SECOND
 
 Array = NDArray[np.float64]
 Singles = NDArray[np.float32]
@@ -66,19 +66,29 @@ def crossing_of(field: Field, axis: int, i: int, j: int, first_stands: bool, hei
     number, last = (i, shape[0]) if axis == 0 else (j, shape[1])
     if number == 0 or number == last:
         return WallCrossing(UNCUT, LOWEST)
-    place = float(walls[axis, i, j])
-    if place == 0.0 or (place > 0.0) != first_stands:
-        return WallCrossing(UNKNOWN, LOWEST)
     stands_i = i - 1 if first_stands and axis == 0 else i
     stands_j = j - 1 if first_stands and axis == 1 else j
-    top, beyond = columns.hi[stands_i, stands_j, 0], abs(place) - 2.0
-    foot = top - float(walls[HEIGHT + axis, i, j])
-    if foot > height:
-        foot -= float(walls[LOWER + axis, i, j])
+    top = columns.hi[stands_i, stands_j, 0]
+    place, foot = float(walls[axis, i, j]), LOWEST
+    if place != 0.0 and (place > 0.0) == first_stands:
+        beyond = abs(place) - 2.0
+        foot = top - float(walls[HEIGHT + axis, i, j])
         if foot > height:
-            return WallCrossing(UNKNOWN, foot)
-        beyond = float(walls[SECOND + axis, i, j])
-    return WallCrossing(UNCUT - beyond if first_stands else UNCUT + beyond, foot)
+            foot -= float(walls[LOWER + axis, i, j])
+            beyond = float(walls[SECOND + axis, i, j])
+        if foot <= height:
+            return WallCrossing(UNCUT - beyond if first_stands else UNCUT + beyond, foot)
+    hung = float(walls[HUNG + axis, i, j]) if walls.shape[0] > HUNG else 0.0
+    if hung != 0.0 and (hung > 0.0) == first_stands:
+        beyond = float(walls[SECOND + HUNG + axis, i, j])
+        head = top - float(walls[ABOVE + axis, i, j])
+        middle = head - float(walls[LOWER + HUNG + axis, i, j])
+        end = middle - float(walls[HEIGHT + HUNG + axis, i, j])
+        if middle >= height:
+            beyond = abs(hung) - 2.0
+        if head >= height >= end:
+            return WallCrossing(UNCUT - beyond if first_stands else UNCUT + beyond, end)
+    return WallCrossing(UNKNOWN, foot)
 
 
 @kernel(lean=True, inlined=True)
@@ -90,8 +100,11 @@ def has_wall(field: Field, i: int, j: int) -> bool:
     if i < 0 or j < 0 or i + 1 >= nx or j + 1 >= ny:
         return True
     walls = field.walls
-    crossed_x = walls[0, i + 1, j] != 0.0 or walls[0, i + 1, j + 1] != 0.0
-    return bool(crossed_x or walls[1, i, j + 1] != 0.0 or walls[1, i + 1, j + 1] != 0.0)
+    for kind in range(0, walls.shape[0] - 1, HUNG):
+        crossed_x = walls[kind, i + 1, j] != 0.0 or walls[kind, i + 1, j + 1] != 0.0
+        if crossed_x or walls[kind + 1, i, j + 1] != 0.0 or walls[kind + 1, i + 1, j + 1] != 0.0:
+            return True
+    return False
 
 
 @kernel(lean=True, inlined=True)

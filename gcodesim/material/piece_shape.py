@@ -70,7 +70,7 @@ def _around(stock: Stock, low: Array, high: Array, room: float) -> Stock:
         material=stock.material,
         original=_cut_out(stock.original, i, m, j, n),
     )
-    part.field.walls[:] = stock.field.walls[:, i : m + 1, j : n + 1]
+    part.set_walls(stock.field.walls[:, i : m + 1, j : n + 1])
     return part
 
 

@@ -23,7 +23,7 @@ from gcodesim.material.sweep_kernels import (
     x_of,
     y_of,
 )
-from gcodesim.material.wall_kernels import Cut, Ends, forget, reckon_walls, shorten_walls
+from gcodesim.material.wall_kernels import HUNG, Cut, Ends, forget, reckon_walls, shorten_walls
 
 Array = NDArray[np.float64]
 Singles = NDArray[np.float32]
@@ -389,7 +389,7 @@ def remove_piece(field: Field, start: Array, end: Array, shape: Shape, spare: Sc
         else:
             beside = Beside(walls[0, i], walls[0, i + 1], walls[1, i], walls[1, i, 1:])
             marks, ok = lower(highs, i * ny, strip, blocks, beside, spare.line, spare.cut.x, spare.marks), True
-        total = settle_strip(field, strip, marks & WALLED > 0, spare, total)
+        total = settle_strip(field, strip, marks & WALLED > 0 or walls.shape[0] > HUNG, spare, total)
         if not ok:
             return total * grid.dx * grid.dy, False
     # a tool that goes down leaves walls beside itself although no column under it is tall any more

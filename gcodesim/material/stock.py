@@ -22,6 +22,7 @@ from gcodesim.arithmetic.matrices import applied, norms
 from gcodesim.frozen import frozen
 from gcodesim.material.field_kernels import PATCH, Columns, Field, Grid
 from gcodesim.material.sweep_kernels import Shape
+from gcodesim.material.wall_kernels import HUNG, WALL_PLANES
 
 if TYPE_CHECKING:
     from gcodesim.material.axis_way import AxisWay
@@ -31,6 +32,7 @@ if TYPE_CHECKING:
     from gcodesim.material.surface import Surface, Tiles
 
 Array = NDArray[np.float64]
+Singles = NDArray[np.float32]
 Vector = Sequence[float] | Array
 
 Lines = tuple[Columns, Grid]
@@ -38,9 +40,6 @@ Lines = tuple[Columns, Grid]
 
 Exact = Callable[[tuple[int, int, int]], Lines]
 """The columns of a stock as it was made, along that axis of S which is the last of three."""
-
-WALL_PLANES = 8
-"""What is kept of the walls at the borders of columns (wall_kernels)."""
 
 BYTES_PER_COLUMN = 8 + 8 + 4 + 4 * WALL_PLANES
 """Memory of a column with one interval and its two borders; each further interval costs 16 bytes in every column."""
@@ -99,15 +98,12 @@ class Stock:
     own frame, when the part was laid on another side (`turning`). All points are in the frame of the columns.
     `doses` is what beams have given each column per area, (nx, ny), by the name of what is meant.
     `parting` looks in a run for pieces that come loose.
-    `hung` (nx, ny) [m], of a stock turned over: what the walls of the other side take of each column, less what they
-    leave of it. Walls are kept from the top down, so a cut of the same wall from this side may lose as much.
     """
 
     __slots__ = (
         "doses",
         "exact",
         "field",
-        "hung",
         "lattice",
         "material",
         "original",
@@ -135,7 +131,6 @@ class Stock:
         self.lattice: Lattice | None = None
         self.parting: Parting | None = None
         self.exact: Exact | None = None
-        self.hung: Array | None = None
         self.doses: dict[str, Array] = {}
         self.original = original if original is not None else _copied(columns)
         nx, ny = columns.number.shape
@@ -237,6 +232,15 @@ class Stock:
         return self.field
 
     @property
+    def wall_places(self) -> Singles:
+        """Where walls are at the borders in x and in y (2, nx + 1, ny + 1), as `walls` has it: those that stand, else
+        those that hang from the side that was up before the stock was turned over."""
+        walls = self.field.walls
+        if len(walls) == WALL_PLANES:
+            return walls[:2]
+        return np.where(walls[:2] != 0.0, walls[:2], walls[HUNG : HUNG + 2])
+
+    @property
     def columns_along(self) -> int:
         """The number of axes along which there are columns: 1, or 3 from the first cut with a leaning tool on."""
         return 1 if self.lattice is None else 3
@@ -306,15 +310,7 @@ class Stock:
         change = np.zeros(columns.number.shape)
         if changes(columns, self.original, change) == 0.0:
             return 0.0
-        return float(error_bound(self.field, change)) + self._lost_of_hung(change)
-
-    def _lost_of_hung(self, change: Array) -> float:
-        """Volume [m^3] that cuts may have lost where they met walls of the side that was the top before."""
-        if self.hung is None:
-            return 0.0
-        cut = np.pad(change != 0.0, 1)
-        met = cut[1:-1, 1:-1] | cut[2:, 1:-1] | cut[:-2, 1:-1] | cut[1:-1, 2:] | cut[1:-1, :-2]
-        return abs(float(self.hung[met].sum())) * float(self.field.grid.dx * self.field.grid.dy)
+        return float(error_bound(self.field, change))
 
     def copy(self) -> Stock:
         """An independent stock in the same state."""
@@ -327,9 +323,8 @@ class Stock:
             original=self.original,
         )
         twin.field.dirty[:] = self.field.dirty
-        twin.field.walls[:] = self.field.walls
-        twin.turn = self.turn.copy()
-        twin.exact, twin.hung = self.exact, self.hung
+        twin.set_walls(self.field.walls.copy())
+        twin.turn, twin.exact = self.turn.copy(), self.exact
         twin.doses = {name: dose.copy() for name, dose in self.doses.items()}
         twin.lattice = None if self.lattice is None else self.lattice.copy()
         return twin
@@ -346,6 +341,10 @@ class Stock:
             self.lattice = None if lattice is None else lattice.copy()
 
         return restore
+
+    def set_walls(self, walls: Singles) -> None:
+        """Give it the walls at the borders of its columns; more planes where it was turned over (`wall_kernels`)."""
+        self.field = self.field._replace(walls=np.ascontiguousarray(walls))
 
     def grow(self) -> None:
         """Make room for more intervals in every column."""

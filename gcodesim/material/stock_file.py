@@ -19,7 +19,8 @@ import numpy as np
 from gcodesim.files.whole_file import write_whole
 from gcodesim.material.field_kernels import Columns, Grid
 from gcodesim.material.lattice import Lattice, field_of, own_columns
-from gcodesim.material.stock import WALL_PLANES, Stock
+from gcodesim.material.stock import Stock
+from gcodesim.material.wall_kernels import TURNED_PLANES, WALL_PLANES
 from gcodesim.numbers import read_json
 
 SUFFIX = ".stock"
@@ -45,6 +46,8 @@ def save_stock(stock: Stock, path: Path) -> None:
         "resolution_m": float(stock.resolution),
         "z_range_m": [float(v) for v in stock.z_range],
     }
+    if len(walls) != WALL_PLANES:
+        head["walls"] = len(walls)
     if (stock.turn != np.eye(3)).any():
         head["turn"] = [[int(v) for v in row] for row in stock.turn]
     arrays = (
@@ -122,7 +125,11 @@ def stock_from_bytes(raw: bytes, name: str) -> Stock:
         nx, ny = (int(v) for v in head["columns"])
         unpacking = _Unpacking(packed)
         columns = unpacking.columns(nx, ny)
-        walls = np.frombuffer(unpacking.take(4 * WALL_PLANES * (nx + 1) * (ny + 1)), "<f4").astype(np.float32)
+        planes = int(head.get("walls", WALL_PLANES))
+        if planes not in (WALL_PLANES, TURNED_PLANES):
+            raise ValueError(f"{planes} planes of walls are none that gcodesim writes")
+        packed_walls = unpacking.take(4 * planes * (nx + 1) * (ny + 1))
+        walls = np.frombuffer(packed_walls, "<f4").astype(np.float32).reshape(planes, nx + 1, ny + 1)
         grid = np.array(head["grid_m"], dtype=np.float64)
         z_range = (float(head["z_range_m"][0]), float(head["z_range_m"][1]))
         resolution, material = float(head["resolution_m"]), str(head["material"])
@@ -141,7 +148,7 @@ def stock_from_bytes(raw: bytes, name: str) -> Stock:
     if grid.shape != (4,) or turn.shape != (3, 3) or not fits:
         raise StockFileError(f"{name} is damaged: its parts do not fit together")
     stock = Stock(columns=columns, grid=Grid(*grid.tolist()), z_range=z_range, resolution=resolution, material=material)
-    stock.field.walls[:] = walls.reshape(stock.field.walls.shape)
+    stock.set_walls(walls)
     stock.turn = turn
     if len(fields) == 2:
         stock.lattice = Lattice(fields, (own_columns(fields[0]), own_columns(fields[1])), offset)

@@ -72,7 +72,7 @@ def build_surface(stock: Stock, spacing: float = 0.0) -> Surface:
     """The whole surface, from columns about `spacing` [m] apart; 0 takes all of them."""
     lattice = _Lattice.spaced(stock, spacing)
     if lattice.has_all(stock):
-        drawn = _Drawn(stock.field.columns, stock.field.walls, stock.original)
+        drawn = _Drawn(stock.field.columns, stock.wall_places, stock.original)
     else:
         drawn = lattice.columns(stock, lattice.original(stock))
     points, fine, coarse = _mesh(drawn, lattice, ColumnSpan(0, len(lattice.ix), 0, len(lattice.iy)))
@@ -232,7 +232,7 @@ class Tiles:
             return columns
         i, j = place.corner
         xs, ys = place.lattice.xs, place.lattice.ys
-        return columns._replace(walls=self._stock.field.walls[:2, i : i + len(xs), j : j + len(ys)].copy())
+        return columns._replace(walls=self._stock.wall_places[:, i : i + len(xs), j : j + len(ys)].copy())
 
     def _is_dirty(self, place: _Place) -> bool:
         """Whether a column that the tile draws, or one next to it, lies in a changed patch."""

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from gcodesim.arithmetic.matrices import determinant, multiplied
 from gcodesim.material.field_kernels import Columns, Grid
 from gcodesim.material.stock import Stock, cells_along
+from gcodesim.material.wall_kernels import ABOVE, HEIGHT, HUNG, LOWER, PLACE, TURNED_PLANES, WALL_PLANES
 
 Array = NDArray[np.float64]
 Singles = NDArray[np.float32]
@@ -47,7 +48,9 @@ def turned(stock: Stock, R: Array) -> Stock:
     if rest[2, 1] != 0.0:
         done, rest = _flat(done, _QUARTER), multiplied(rest, _QUARTER.T)
     if rest[2, 0] != 0.0:
-        done, rest = on_edge(done), multiplied(rest, _ON_EDGE.T)
+        laid = on_edge(done)
+        laid.set_walls(walls_on_edge(done, laid))
+        done, rest = laid, multiplied(rest, _ON_EDGE.T)
     done = _flat(done, rest)
     done.turn = multiplied(stock.turn, whole.T)
     return done
@@ -59,7 +62,7 @@ def _flat(stock: Stock, R: Array) -> Stock:
     z_range = stock.z_range
     if R[0, 0] == 0.0:  # x and y change places
         lo, hi, count = lo.transpose(1, 0, 2), hi.transpose(1, 0, 2), count.T
-        walls, grid = walls[[1, 0, 3, 2, 5, 4, 7, 6]].transpose(0, 2, 1), grid[[1, 0, 3, 2]]
+        walls, grid = walls[np.arange(len(walls)) ^ 1].transpose(0, 2, 1), grid[[1, 0, 3, 2]]
     signs = R.sum(axis=1)
     for axis in range(2):
         if signs[axis] < 0.0:
@@ -67,11 +70,10 @@ def _flat(stock: Stock, R: Array) -> Stock:
             walls = _mirrored(walls, axis)
             grid[axis] = -(grid[axis] + count.shape[axis] * grid[2 + axis])
     if signs[2] < 0.0:
+        walls = _hung(walls, Columns(lo, hi, count))
         lo, hi = _upside_down(lo, hi, count)
         z_range = (-z_range[1], -z_range[0])
-    made = _like(stock, Columns(lo, hi, count), grid, z_range, walls)
-    made.hung = _beyond_each(walls) if signs[2] < 0.0 else None
-    return made
+    return _like(stock, Columns(lo, hi, count), grid, z_range, walls)
 
 
 def _like(
@@ -89,41 +91,42 @@ def _like(
         material=stock.material,
     )
     if walls is not None:
-        made.field.walls[:] = walls
+        made.set_walls(walls)
     return made
 
 
-def _beyond_each(walls: Singles) -> Array:
-    """What walls take of each column less what they leave of it [m], (nx, ny): the parts of `beyond_columns`."""
-    from gcodesim.material.wall_kernels import HEIGHT, LOWER, PLACE, SECOND
+def _hung(walls: Singles, columns: Columns) -> Singles:
+    """Walls of a stock that is turned over: those that stood now hang, and those that hung stand.
 
-    place, height, second, lower = (walls[plane : plane + 2].astype(float) for plane in (PLACE, HEIGHT, SECOND, LOWER))
-    beyond = np.abs(place) - 2.0
-    taken = np.maximum(beyond, 0.0) * height + np.maximum(second, 0.0) * lower
-    left = np.maximum(-beyond, 0.0) * height + np.maximum(-second, 0.0) * lower
-    above, below = place < 0.0, place > 0.0  # which column of a border stands
-    found: Array = _greatest(taken, above, below) - _greatest(left, below, above)
-    return found
-
-
-def _greatest(length: Array, of_next: Flags, of_last: Flags) -> Array:
-    """The greatest of what a column's four borders say, (nx, ny): those before it count where `of_next`, those behind
-    it where `of_last`."""
-    before, behind = np.where(of_next, length, 0.0), np.where(of_last, length, 0.0)
-    sides = before[0, :-1, :-1], before[1, :-1, :-1], behind[0, 1:, :-1], behind[1, :-1, 1:]
-    found: Array = np.maximum.reduce(sides)
-    return found
+    columns: those of the other side, on the same grid.
+    """
+    standing, hanging = walls[:HUNG], walls[HUNG:ABOVE]
+    if not standing.any():
+        return hanging if len(hanging) else standing
+    made = np.zeros((TURNED_PLANES, *walls.shape[1:]), np.float32)
+    made[: len(hanging)], made[HUNG:ABOVE] = hanging, standing
+    lo, hi, number = columns
+    used = np.arange(lo.shape[2]) < number[:, :, None]
+    length = np.pad(np.where(used, hi - lo, 0.0).sum(axis=2), 1)
+    before = length[:-1, 1:], length[1:, :-1]
+    for axis in range(2):
+        place = standing[PLACE + axis]
+        stands = np.where(place > 0.0, before[axis], length[1:, 1:])
+        above = stands - standing[HEIGHT + axis] - standing[LOWER + axis]
+        made[ABOVE + axis] = np.where(place != 0.0, np.maximum(above, 0.0), 0.0)
+    return made
 
 
 def _mirrored(walls: Singles, axis: int) -> Singles:
     """Walls of a stock mirrored along x (0) or y (1): the order of borders and the standing sides are reversed."""
     out = np.zeros_like(walls)
     cells = walls.shape[1 + axis] - 1
+    places = (PLACE, PLACE + 1, HUNG + PLACE, HUNG + PLACE + 1)
     for kind in range(len(walls)):
         across = kind % 2 == axis  # borders along the mirrored direction: one more than columns
         flipped = np.flip(walls[kind], axis)
         if across:
-            out[kind] = -flipped if kind < 2 else flipped
+            out[kind] = -flipped if kind in places else flipped
         elif axis == 0:
             out[kind, :cells] = flipped[1:]
         else:
@@ -166,7 +169,7 @@ def on_edge(stock: Stock) -> Stock:
         most = max(most, int(np.bincount(begins[-1][:, 0], minlength=1).max(initial=0)))
     lo, hi = np.zeros((slices, ny, most)), np.zeros((slices, ny, most))
     count = np.zeros((slices, ny), dtype=np.int32)
-    wall = stock.field.walls[0]
+    wall = stock.wall_places[0]
     origin, width = old_grid.x, old_grid.dx
     for s in range(slices):
         rows = np.bincount(begins[s][:, 0], minlength=ny)
@@ -179,3 +182,87 @@ def on_edge(stock: Stock) -> Stock:
             into[s, j, place] = origin + (i - side * beyond) * width
     grid = np.array([-high, old_grid.y, step, old_grid.dy])
     return _like(stock, Columns(lo, hi, count), grid, (origin, origin + nx * width))
+
+
+def walls_on_edge(stock: Stock, laid: Stock) -> Singles:
+    """The walls of a stock that was laid on an edge: floors, which lie between the new columns, and walls across y.
+
+    Walls across x are where the new columns end. A wall of the old columns that slants is seen in x and in y, so of
+    what is seen in y only the part counts that goes further.
+    """
+    (lo, hi, number), grid = stock.field.columns, stock.field.grid
+    slices, ny = laid.field.columns.number.shape
+    step = laid.field.grid.dx
+    used = np.arange(lo.shape[2]) < number[:, :, None]
+    place_x, place_y = stock.wall_places
+    made = np.zeros((TURNED_PLANES, slices + 1, ny + 1), np.float32)
+    before = np.zeros(number.shape, bool)
+    floor_before = np.zeros(number.shape)
+    for s in range(slices):
+        z = stock.z_range[1] - (s + 0.5) * step
+        in_it = used & (lo <= z) & (z < hi)
+        full = in_it.any(axis=2)
+        which = in_it.argmax(axis=2)[:, :, None]
+        top, floor = (np.take_along_axis(ends, which, axis=2)[:, :, 0] for ends in (hi, lo))
+        if s > 0:
+            border = z + 0.5 * step
+            beyond = np.where(full, border - top, floor_before - border) / step
+            _record(made, 0, (s, slice(0, ny)), (before & ~full, before), (full & ~before, full), beyond, grid.dx)
+        taken, left = _seen_along_x(full, place_x)
+        low, high = full[:, :-1], full[:, 1:]
+        beyond = np.abs(place_y[:-1, 1:-1]) - 2.0
+        beyond = np.where(place_y[:-1, 1:-1] * np.where(low, 1.0, -1.0) > 0.0, beyond, 0.0)
+        ahead = beyond - np.where(low, taken[:, :-1], taken[:, 1:])
+        behind = -beyond - np.where(low, left[:, 1:], left[:, :-1])
+        beyond = np.where(beyond > 0.0, np.maximum(ahead, 0.0), -np.maximum(behind, 0.0))
+        _record(made, 1, (s, slice(1, ny)), (low & ~high, low), (high & ~low, high), beyond, grid.dx)
+        before, floor_before = full, floor
+    return made if made.any() else made[:WALL_PLANES]
+
+
+def _seen_along_x(full: Flags, place: Singles) -> tuple[Array, Array]:
+    """How much [cells] of columns that are `full` (nx, ny) walls across x take, and leave of those that are not."""
+    taken, left = np.zeros((2, *full.shape))
+    one, other = full[:-1], full[1:]
+    border = place[1:-1, :-1]
+    beyond = np.abs(border) - 2.0
+    for stands, gone, told in (
+        (slice(0, -1), slice(1, None), one & ~other & (border > 0.0)),
+        (slice(1, None), slice(0, -1), other & ~one & (border < 0.0)),
+    ):
+        taken[stands] = np.maximum(taken[stands], np.where(told, beyond, 0.0))
+        left[gone] = np.maximum(left[gone], np.where(told, -beyond, 0.0))
+    return taken, left
+
+
+def _record(
+    walls: Singles,
+    axis: int,
+    at: tuple[int, slice],
+    below: tuple[Flags, Flags],
+    above: tuple[Flags, Flags],
+    beyond: Array,
+    length: float,
+) -> None:
+    """Put walls at a row of borders `at`, whose places are the mean of `beyond` (nx, m) [cells] along the columns.
+
+    below: where (nx, m) the column below the border stands alone, and where it is material; above: the same of the
+    other. Columns of both sides are `length` [m] an entry. The wall that matters more hangs, so that its height is
+    kept, the other one stands.
+    """
+    sums = []
+    for side, (told, full) in ((1.0, below), (-1.0, above)):
+        number = told.sum(axis=0)
+        total = np.where(told, np.clip(beyond, -0.5, 0.5), 0.0).sum(axis=0)
+        last = len(told) - 1 - np.argmax(told[::-1], axis=0)
+        over = full.sum(axis=0) - np.take_along_axis(full.cumsum(axis=0), last[None], axis=0)[0]
+        sums.append((side, number, total, over))
+    more = np.abs(sums[0][2]) >= np.abs(sums[1][2])
+    for kind, first in ((HUNG, more), (0, ~more)):
+        side, number, total, over = (np.where(first, one, other) for one, other in zip(*sums, strict=True))
+        there = (number > 0) & (total != 0.0)
+        row = walls[:, at[0], at[1]]
+        row[kind + PLACE + axis] = np.where(there, side * (total / np.maximum(number, 1) + 2.0), 0.0)
+        row[kind + HEIGHT + axis] = np.where(there, number * length, 0.0)
+        if kind == HUNG:
+            row[ABOVE + axis] = np.where(there, over * length, 0.0)

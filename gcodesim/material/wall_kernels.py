@@ -18,6 +18,12 @@ led to them, and no cut can raise it: walls only go further; and of the height b
 half was taken by walls before, and no more than half is left behind walls afterwards. (Adding what is seen in x and in
 y, weighted by the wall's normal, is more exact on arcs, by a fifth of a cell's area for each closed wall, but a normal
 that turns can give volume back.)
+
+**Other sides.** A stock that was turned over has walls that hang: they were cut from what is the lower side now. They
+are kept as they were, in eight further planes in the same order, from `HUNG` on, and two more say how much of the
+standing column is above them [m], from `ABOVE` on. What cuts from above goes into them only where it comes as deep.
+A column loses the most that its standing walls take, and the most that its hanging walls take, which are in different
+heights. Of a stock that was laid on an edge, floors and walls of before hang like that, too.
 """
 
 from __future__ import annotations
@@ -42,6 +48,9 @@ SAME_HEIGHT = 1.0e-8  # heights [m] closer than this are the same: rounding of s
 
 # planes of `walls`, each for borders in x and, one further on, in y
 PLACE, HEIGHT, SECOND, LOWER = 0, 2, 4, 6
+WALL_PLANES = HUNG = 8
+ABOVE = 16
+TURNED_PLANES = 18
 
 
 class Ends(NamedTuple):
@@ -94,32 +103,33 @@ def left(walls: Singles, axis: int, i: int, j: int) -> float:
 
 
 @kernel(lean=True)
-def most_taken(walls: Singles, i: int, j: int, but: int) -> float:
-    """What its walls take of standing column (i, j) [m]; `but`: a border that does not count, see `set_wall`."""
+def most_taken(walls: Singles, kind: int, i: int, j: int, but: int) -> float:
+    """What walls of a kind, 0 or HUNG, take of standing column (i, j) [m]; `but`: a border that does not count, see
+    `set_wall`."""
     most = 0.0
-    if walls[0, i, j] < 0.0 and but != 0:
-        most = taken(walls, 0, i, j)
-    if walls[1, i, j] < 0.0 and but != 1:
-        most = max(most, taken(walls, 1, i, j))
-    if walls[0, i + 1, j] > 0.0 and but != 2:
-        most = max(most, taken(walls, 0, i + 1, j))
-    if walls[1, i, j + 1] > 0.0 and but != 3:
-        most = max(most, taken(walls, 1, i, j + 1))
+    if walls[kind, i, j] < 0.0 and but != 0:
+        most = taken(walls, kind, i, j)
+    if walls[kind + 1, i, j] < 0.0 and but != 1:
+        most = max(most, taken(walls, kind + 1, i, j))
+    if walls[kind, i + 1, j] > 0.0 and but != 2:
+        most = max(most, taken(walls, kind, i + 1, j))
+    if walls[kind + 1, i, j + 1] > 0.0 and but != 3:
+        most = max(most, taken(walls, kind + 1, i, j + 1))
     return most
 
 
 @kernel(lean=True)
-def most_left(walls: Singles, i: int, j: int, but: int) -> float:
-    """What its walls leave of gone column (i, j) [m]; `but`: a border that does not count."""
+def most_left(walls: Singles, kind: int, i: int, j: int, but: int) -> float:
+    """What walls of a kind, 0 or HUNG, leave of gone column (i, j) [m]; `but`: a border that does not count."""
     most = 0.0
-    if walls[0, i, j] > 0.0 and but != 0:
-        most = left(walls, 0, i, j)
-    if walls[1, i, j] > 0.0 and but != 1:
-        most = max(most, left(walls, 1, i, j))
-    if walls[0, i + 1, j] < 0.0 and but != 2:
-        most = max(most, left(walls, 0, i + 1, j))
-    if walls[1, i, j + 1] < 0.0 and but != 3:
-        most = max(most, left(walls, 1, i, j + 1))
+    if walls[kind, i, j] > 0.0 and but != 0:
+        most = left(walls, kind, i, j)
+    if walls[kind + 1, i, j] > 0.0 and but != 1:
+        most = max(most, left(walls, kind + 1, i, j))
+    if walls[kind, i + 1, j] < 0.0 and but != 2:
+        most = max(most, left(walls, kind, i + 1, j))
+    if walls[kind + 1, i, j + 1] < 0.0 and but != 3:
+        most = max(most, left(walls, kind + 1, i, j + 1))
     return most
 
 
@@ -130,7 +140,9 @@ def beyond_columns(walls: Singles) -> float:
     for i in range(walls.shape[1] - 1):
         row = 0.0
         for j in range(walls.shape[2] - 1):
-            row += most_taken(walls, i, j, -1) - most_left(walls, i, j, -1)
+            row += most_taken(walls, 0, i, j, -1) - most_left(walls, 0, i, j, -1)
+            if walls.shape[0] > HUNG:
+                row += most_taken(walls, HUNG, i, j, -1) - most_left(walls, HUNG, i, j, -1)
         total += row
     return total
 
@@ -141,28 +153,30 @@ def set_wall(
 ) -> float:
     """Put a wall with one or two places at a border; returns how much more is gone than before [m].
 
+    axis: 0 or 1, for a hanging wall HUNG or HUNG + 1.
     side: +1 when the column below the border is left standing, -1 when the one above is. No height: no wall.
     Of its two columns the border is number `axis` of the one above, 2 + `axis` of the one below.
     """
+    kind, number = (HUNG, axis - HUNG) if axis >= HUNG else (0, axis)
     taken_before, left_before = taken(walls, axis, i, j), left(walls, axis, i, j)
     walls[axis, i, j] = side * (beyond + 2.0) if height > 0.0 else 0.0
     walls[HEIGHT + axis, i, j] = height
     if lower > 0.0 or walls[LOWER + axis, i, j] > 0.0:  # few walls have a second place
         walls[SECOND + axis, i, j], walls[LOWER + axis, i, j] = second, lower
     taken_now, left_now = taken(walls, axis, i, j), left(walls, axis, i, j)
-    below_i, below_j = (i - 1, j) if axis == 0 else (i, j - 1)
+    below_i, below_j = (i - 1, j) if number == 0 else (i, j - 1)
     gain = 0.0
     if taken_now != taken_before:
         if side > 0:
-            others = most_taken(walls, below_i, below_j, 2 + axis)
+            others = most_taken(walls, kind, below_i, below_j, 2 + number)
         else:
-            others = most_taken(walls, i, j, axis)
+            others = most_taken(walls, kind, i, j, number)
         gain += max(taken_now, others) - max(taken_before, others)
     if left_now != left_before:
         if side > 0:
-            others = most_left(walls, i, j, axis)
+            others = most_left(walls, kind, i, j, number)
         else:
-            others = most_left(walls, below_i, below_j, 2 + axis)
+            others = most_left(walls, kind, below_i, below_j, 2 + number)
         gain -= max(left_now, others) - max(left_before, others)
     return gain
 
@@ -183,16 +197,55 @@ def shorten_wall(walls: Singles, axis: int, i: int, j: int, gone: float) -> floa
 
 
 @kernel(lean=True)
+def lower_hung(walls: Singles, axis: int, i: int, j: int, gone: float) -> float:
+    """The standing column at a border was cut by `gone` [m]: its hanging wall ends lower if that comes as deep; returns
+    the gain [m]."""
+    above = float(walls[ABOVE + axis, i, j]) - gone
+    walls[ABOVE + axis, i, j] = max(above, 0.0)
+    if above >= -SAME_HEIGHT:
+        return 0.0
+    hung = HUNG + axis
+    height, lower = float(walls[HEIGHT + hung, i, j]), float(walls[LOWER + hung, i, j]) + above
+    if lower <= SAME_HEIGHT:
+        height, lower = height + min(lower, 0.0), 0.0
+    if height <= SAME_HEIGHT:
+        height = 0.0
+    side = 1 if walls[hung, i, j] > 0.0 else -1
+    beyond, second = abs(float(walls[hung, i, j])) - 2.0, float(walls[SECOND + hung, i, j])
+    return set_wall(walls, hung, i, j, side, beyond, height, second, lower)
+
+
+@kernel(lean=True)
 def shorten_walls(walls: Singles, i: int, j: int, gone: float) -> float:
     """Column (i, j) was cut by `gone` [m], and its walls in that height are gone too; returns the gain [m]."""
     gain = 0.0
     for axis in range(2):
+        bi, bj = (i + 1, j) if axis == 0 else (i, j + 1)
         if walls[axis, i, j] < 0.0:
             gain += shorten_wall(walls, axis, i, j, gone)
-        bi, bj = (i + 1, j) if axis == 0 else (i, j + 1)
         if walls[axis, bi, bj] > 0.0:
             gain += shorten_wall(walls, axis, bi, bj, gone)
+        if walls.shape[0] > HUNG:
+            if walls[HUNG + axis, i, j] < 0.0:
+                gain += lower_hung(walls, axis, i, j, gone)
+            if walls[HUNG + axis, bi, bj] > 0.0:
+                gain += lower_hung(walls, axis, bi, bj, gone)
     return gain
+
+
+@kernel(lean=True)
+def own_height(walls: Singles, axis: int, i: int, j: int, beyond: float, height: float) -> float:
+    """How deep [m] a cut that came `beyond` [cells] a border, along the upper `height` [m], has a wall of its own.
+
+    Below that the wall that hangs there is as far or further.
+    """
+    hung, own = HUNG + axis, float(walls[ABOVE + axis, i, j])
+    first, second = abs(float(walls[hung, i, j])) - 2.0, float(walls[SECOND + hung, i, j])
+    lower = float(walls[LOWER + hung, i, j])
+    if height <= own or (lower > 0.0 and beyond <= second + SAME_PLACE):
+        return min(height, own)
+    own += lower
+    return min(height, own) if beyond <= first + SAME_PLACE else height
 
 
 @kernel(lean=True)
@@ -407,7 +460,15 @@ def reckon_wall(
     beyond = min(max(border - rim if side == 1 else rim - border, -0.5), 0.5)
     fresh = fresh_cut(cut.x if rows.axis == 0 else cut.y, row, side, gone)
     bi, bj = (border, row) if rows.axis == 0 else (row, border)
-    return advance_wall(field.walls, rows.axis, bi, bj, side, beyond, height, fresh, dip)
+    gain, walls = 0.0, field.walls
+    if walls.shape[0] > HUNG and float(walls[HUNG + rows.axis, bi, bj]) * side > 0.0:
+        above = float(walls[ABOVE + rows.axis, bi, bj])
+        height = own_height(walls, rows.axis, bi, bj, beyond, height)
+        if height > above:
+            gain = lower_hung(walls, rows.axis, bi, bj, height)
+            walls[ABOVE + rows.axis, bi, bj] = height
+            fresh += height - above
+    return gain + advance_wall(walls, rows.axis, bi, bj, side, beyond, height, fresh, dip)
 
 
 @kernel(lean=True)

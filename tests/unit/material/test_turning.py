@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from gcodesim.material import Stock
-from gcodesim.material.kernels import beyond_columns
 from gcodesim.material.shape import flat
 from gcodesim.material.stock_file import load_stock, save_stock
 from gcodesim.material.turning import turn_for, turned
+from gcodesim.material.wall_kernels import TURNED_PLANES
 
 MM = 1e-3
 TURNS = [
@@ -50,7 +50,7 @@ def test_every_turn_keeps_material_where_it_is(R):
     agree = full(stock, points) == full(other, points @ R.T)
     exact = abs(R[2, 2]) == 1.0
     assert agree.mean() == 1.0 if exact else agree.mean() > 0.99
-    assert other.volume == pytest.approx(stock.volume, rel=1e-9 if exact else 2e-3)
+    assert other.volume == pytest.approx(stock.volume, rel=1e-9 if exact else 2e-5)
     assert other.error_bound() == 0.0
     assert np.allclose(other.turn, R.T)
 
@@ -71,7 +71,7 @@ def test_turning_over_and_back_is_the_same_to_the_bit(R):
 @pytest.mark.parametrize("resolution", [0.5, 0.35, 0.25, 0.2, 0.15])
 @pytest.mark.parametrize("place", [(0.0, 0.0), (0.07, 0.11)])
 def test_the_bound_of_a_hole_from_both_sides_holds(resolution, place):
-    """Walls are kept from the top down: where the second side meets those of the first, parts of cells are lost."""
+    """Where the second side meets the walls of the first, they are one wall."""
     stock = Stock.box((0, 0, -10 * MM), (24 * MM, 20 * MM, 0), resolution * MM)
     x, y = 12 + place[0], 10 + place[1]
     fresh = stock.volume
@@ -80,10 +80,56 @@ def test_the_bound_of_a_hole_from_both_sides_holds(resolution, place):
     first = fresh - over.volume
     over.remove(*np.array([[[x, -y, 11.0]], [[x, -y, 3.0]]]) * MM, flat(8 * MM, 50 * MM))
 
-    assert over.hung.sum() == pytest.approx(float(beyond_columns(stock.field.walls)), abs=1e-12)
     exact = np.pi * 16.0 * 10.0 * MM**3
     assert abs(fresh - over.volume - exact) < over.error_bound() + stock.error_bound()
+    assert over.error_bound() < 2.0 * stock.error_bound()
     assert first == pytest.approx(0.4 * exact, abs=stock.error_bound())
+
+
+def window(rng: np.random.Generator) -> np.ndarray:
+    """A rectangle (5, 2) [mm] that begins and ends at a corner, turned by any angle or along the grid."""
+    angle = np.radians(rng.choice([0.0, 90.0, rng.uniform(0.0, 90.0)]))
+    R = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+    corners = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1], [-1, -1]]) * rng.uniform(4, 10, 2)
+    return corners @ R.T + rng.uniform(-1, 1, 2)
+
+
+def swept_area(corners: np.ndarray, diameter: float) -> float:
+    """Area [mm²] under a disc that goes around a rectangle: Steiner's ring, without that of the inner rectangle."""
+    sides = np.linalg.norm(np.diff(corners, axis=0), axis=1)[:2]
+    inner = np.prod(np.maximum(sides - diameter, 0.0))
+    return float(np.prod(sides) + diameter * sides.sum() + np.pi / 4.0 * diameter**2 - inner)
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_walls_cut_from_both_ends_are_as_exact_as_from_one(seed):
+    """A frame is milled from above and, after turning over, from the other end, a bit too short or overlapping.
+
+    What the second side took of straight walls was wrong by up to 2 %, from half a cell at the sides.
+    """
+    rng = np.random.default_rng(seed)
+    height, diameter = rng.uniform(8, 20), rng.uniform(4, 8)
+    corners, first = window(rng), rng.uniform(0.2, 0.8) * height
+    second = min(height - first + rng.uniform(-1, 2), height + 1)
+    stock = Stock.box((-22 * MM, -22 * MM, -height * MM), (22 * MM, 22 * MM, 0), 0.25 * MM)
+    for depth, top in ((first, 0.0), (second, height)):
+        if top:
+            stock = turned(stock, np.diag([1.0, -1.0, -1.0]))
+            corners = corners * [1, -1]
+        path = np.vstack([[*corners[0], top + 1], np.c_[corners, np.full(5, top - depth)]]) * MM
+        before = stock.volume
+        removed = stock.remove(path[:-1], path[1:], flat(diameter * MM, 50 * MM)).volume.sum()
+        exact = swept_area(corners, diameter) * (min(depth, height - first) if top else depth) * MM**3
+        assert removed == pytest.approx(before - stock.volume, abs=1e-15)
+        assert removed == pytest.approx(exact, rel=5e-4)
+        assert abs(removed - exact) < stock.error_bound() < 2e-3 * exact
+
+
+def test_a_pocket_keeps_its_volume_when_the_stock_is_laid_on_an_edge():
+    """Floors between the new columns keep their place: half a cell of one was 9 mm³ here."""
+    for R in TURNS:
+        stock = milled()
+        assert turned(stock, R).volume == pytest.approx(stock.volume, abs=0.3 * MM**3)
 
 
 @pytest.mark.parametrize("up", np.vstack([np.eye(3), -np.eye(3), [[0.4, 0.1, 0.9], [0.1, -0.9, 0.3]]]))
@@ -100,6 +146,8 @@ def test_only_quarter_turns():
 
 def test_a_file_keeps_the_side_it_lies_on(tmp_path):
     stock = turned(milled(), np.diag([1.0, -1.0, -1.0]))
+    assert len(stock.field.walls) == TURNED_PLANES
     save_stock(stock, tmp_path / "a.stock")
     again = load_stock(tmp_path / "a.stock")
     assert np.array_equal(again.turn, stock.turn) and again.volume == stock.volume
+    assert np.array_equal(again.field.walls, stock.field.walls)
