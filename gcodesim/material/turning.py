@@ -2,9 +2,10 @@
 
 Tools cut stock whose Z is up. A part that lies on its back or on an edge keeps
 its frame S; only the columns stand along another axis, in a frame that
-`Stock.turn` (3, 3) places in S. Turning a part over (Z to −Z) is exact. Laying it on an edge
-samples every old row of columns at the middle of the new ones: floors that are
-between them move by up to half a cell, walls stay where the tool left them.
+`Stock.turn` (3, 3) places in S. Turning a part over (Z to −Z) is exact, and so is any
+turn of a stock that has columns in three directions. Otherwise, laying it on an edge
+samples every old row of columns at the middle of the new ones: walls across
+them stay where the tool left them, floors and other walls become walls between the new columns.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ from numpy.typing import NDArray
 
 from gcodesim.arithmetic.matrices import determinant, multiplied
 from gcodesim.material.field_kernels import Columns, Grid
-from gcodesim.material.stock import Stock, cells_along
+from gcodesim.material.stock import Lines, Stock, cells_along
 from gcodesim.material.wall_kernels import ABOVE, HEIGHT, HUNG, LOWER, PLACE, TURNED_PLANES, WALL_PLANES
 
 Array = NDArray[np.float64]
@@ -44,6 +45,10 @@ def turned(stock: Stock, R: Array) -> Stock:
     whole = np.round(R)
     if np.abs(R - whole).max() > 1e-9 or determinant(whole) < 0.5 or (np.abs(whole).sum(axis=0) != 1.0).any():
         raise ValueError("a stock can only be turned by quarter turns about its axes")
+    if stock.lattice is not None:
+        done = _turned_in_three(stock, whole)
+        done.turn = multiplied(stock.turn, whole.T)
+        return done
     done, rest = stock, whole
     if rest[2, 1] != 0.0:
         done, rest = _flat(done, _QUARTER), multiplied(rest, _QUARTER.T)
@@ -56,36 +61,66 @@ def turned(stock: Stock, R: Array) -> Stock:
     return done
 
 
-def _flat(stock: Stock, R: Array) -> Stock:
-    """Turned so that Z stays or becomes −Z; exact."""
-    (lo, hi, count), walls, grid = stock.field.columns, stock.field.walls, np.array(stock.field.grid)
-    z_range = stock.z_range
-    if R[0, 0] == 0.0:  # x and y change places
-        lo, hi, count = lo.transpose(1, 0, 2), hi.transpose(1, 0, 2), count.T
-        walls, grid = walls[np.arange(len(walls)) ^ 1].transpose(0, 2, 1), grid[[1, 0, 3, 2]]
+def _turned_in_three(stock: Stock, R: Array) -> Stock:
+    """A stock with columns along x, y and z: they change places, so nothing is sampled again."""
+    from gcodesim.material.lattice import ORDERS, Lattice, field_of, own_columns
+
+    assert stock.lattice is not None
+    fields = (*stock.lattice.fields, stock.field)
+    before = np.argmax(np.abs(R), axis=1)  # which axis each new one was
     signs = R.sum(axis=1)
+    lines: list[Lines] = []
+    for order in ORDERS:
+        field, old = fields[before[order[2]]], ORDERS[before[order[2]]]
+        swapped = before[order[0]] != old[0]
+        lines.append(_turned_lines((field.columns, field.grid), swapped, signs[list(order)]))
+    ends = np.sort([corner[before[2]] * signs[2] for corner in stock.bounds])
+    made = _like(stock, *lines[2], (float(ends[0]), float(ends[1])))
+    x, y = (field_of(*line) for line in lines[:2])
+    made.lattice = Lattice((x, y), (own_columns(x), own_columns(y)), stock.lattice.offset)
+    return made
+
+
+def _turned_lines(lines: Lines, swapped: bool, signs: Array) -> Lines:
+    """Columns whose first two axes change places, where `swapped`, and whose axes then run the other way where signs
+    (3,) are negative."""
+    (lo, hi, count), grid = lines[0], np.array(lines[1])
+    if swapped:
+        lo, hi, count, grid = lo.transpose(1, 0, 2), hi.transpose(1, 0, 2), count.T, grid[[1, 0, 3, 2]]
     for axis in range(2):
         if signs[axis] < 0.0:
             lo, hi, count = np.flip(lo, axis), np.flip(hi, axis), np.flip(count, axis)
-            walls = _mirrored(walls, axis)
             grid[axis] = -(grid[axis] + count.shape[axis] * grid[2 + axis])
     if signs[2] < 0.0:
-        walls = _hung(walls, Columns(lo, hi, count))
         lo, hi = _upside_down(lo, hi, count)
+    return Columns(lo, hi, count), Grid(*map(float, grid))
+
+
+def _flat(stock: Stock, R: Array) -> Stock:
+    """Turned so that Z stays or becomes −Z; exact."""
+    walls, z_range, signs, swapped = stock.field.walls, stock.z_range, R.sum(axis=1), R[0, 0] == 0.0
+    if swapped:
+        walls = walls[np.arange(len(walls)) ^ 1].transpose(0, 2, 1)
+    for axis in range(2):
+        if signs[axis] < 0.0:
+            walls = _mirrored(walls, axis)
+    columns, grid = _turned_lines((stock.field.columns, stock.field.grid), swapped, signs)
+    if signs[2] < 0.0:
+        walls = _hung(walls, columns)
         z_range = (-z_range[1], -z_range[0])
-    return _like(stock, Columns(lo, hi, count), grid, z_range, walls)
+    return _like(stock, columns, grid, z_range, walls)
 
 
 def _like(
     stock: Stock,
     columns: Columns,
-    grid: Array,
+    grid: Grid,
     z_range: tuple[float, float],
     walls: Singles | None = None,
 ) -> Stock:
     made = Stock(
         columns=Columns(*map(np.ascontiguousarray, columns)),
-        grid=Grid(*map(float, grid)),
+        grid=grid,
         z_range=z_range,
         resolution=stock.resolution,
         material=stock.material,
@@ -180,7 +215,7 @@ def on_edge(stock: Stock) -> Stock:
             held = wall[i, j] * side
             beyond = np.where(held > 0.0, held - 2.0, 0.0)
             into[s, j, place] = origin + (i - side * beyond) * width
-    grid = np.array([-high, old_grid.y, step, old_grid.dy])
+    grid = Grid(-float(high), old_grid.y, float(step), old_grid.dy)
     return _like(stock, Columns(lo, hi, count), grid, (origin, origin + nx * width))
 
 
