@@ -231,12 +231,12 @@ def walls_on_edge(stock: Stock, laid: Stock) -> Singles:
     used = np.arange(lo.shape[2]) < number[:, :, None]
     place_x, place_y = stock.wall_places
     made = np.zeros((TURNED_PLANES, slices + 1, ny + 1), np.float32)
-    before = np.zeros(number.shape, bool)
+    before: Flags = np.zeros(number.shape, bool)
     floor_before = np.zeros(number.shape)
     for s in range(slices):
         z = stock.z_range[1] - (s + 0.5) * step
         in_it = used & (lo <= z) & (z < hi)
-        full = in_it.any(axis=2)
+        full: Flags = np.asarray(in_it.any(axis=2))
         which = in_it.argmax(axis=2)[:, :, None]
         top, floor = (np.take_along_axis(ends, which, axis=2)[:, :, 0] for ends in (hi, lo))
         if s > 0:
