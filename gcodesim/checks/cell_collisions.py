@@ -51,6 +51,7 @@ class Running:
     X_BM: Pose
     switched: Mapping[str, Sequence[tuple[float, Span]]]
     _standing: dict[float, bool] = field(default_factory=dict)
+    _joints: dict[float, Array] = field(default_factory=dict)
 
     def row(self, time: float) -> int:
         trajectory = self.plan.trajectory
@@ -64,22 +65,25 @@ class Running:
     def stands(self, time: float) -> bool:
         """Whether it stands still at a time."""
         if time not in self._standing:
-            self._standing[time] = self._stands(time)
+            self.look_at([time])
         return self._standing[time]
 
-    def _stands(self, time: float) -> bool:
-        if time >= self.plan.trajectory.duration:
-            return True
-        samples = self.plan.trajectory.sample(np.array([max(time - _AFTER, 0.0), time + _AFTER]))
-        q: Array = self.plan.joints(samples)
-        return bool(np.array_equal(q[0], q[1]))
+    def look_at(self, times: Iterable[float]) -> None:
+        """Find out where it is at these times, and whether it stands; many take little longer than one."""
+        trajectory, asked = self.plan.trajectory, np.array(sorted(set(times) - self._standing.keys()))
+        joints = self.plan.joints(trajectory.sample(np.minimum(asked, trajectory.duration)))
+        self._joints.update(zip(asked.tolist(), joints, strict=True))
+        runs = asked[asked < trajectory.duration]
+        q = [self.plan.joints(trajectory.sample(at)) for at in (np.maximum(runs - _AFTER, 0.0), runs + _AFTER)]
+        self._standing.update(dict.fromkeys(asked.tolist(), True))
+        self._standing.update(zip(runs.tolist(), (q[0] == q[1]).all(axis=1).tolist(), strict=True))
 
     def tip_words(self, time: float) -> str:
         """Where the tip is, in the work system in force."""
-        plan = self.plan
-        q = plan.joints(plan.trajectory.sample(np.array([min(time, plan.trajectory.duration)])))
-        row = min(self.row(time), max(len(plan.path) - 1, 0))
-        return tip_in_words(plan, q[0], row, self.X_BM)
+        if time not in self._joints:
+            self.look_at([time])
+        row = min(self.row(time), max(len(self.plan.path) - 1, 0))
+        return tip_in_words(self.plan, self._joints[time], row, self.X_BM)
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,11 +98,17 @@ class CellWords:
 
     def collisions(self, meetings: Iterable[CellMeeting]) -> list[Diagnostic]:
         """GS309 to GS311, one for each pair of bodies and line."""
-        return _once([self._collision(meeting) for meeting in meetings])
+        return _once([self._collision(meeting) for meeting in self._looked_at(meetings)])
 
     def near_misses(self, meetings: Iterable[CellMeeting], clearance: float) -> list[Diagnostic]:
         """GS308."""
-        return _once([self._near_miss(meeting, clearance) for meeting in meetings])
+        return _once([self._near_miss(meeting, clearance) for meeting in self._looked_at(meetings)])
+
+    def _looked_at(self, meetings: Iterable[CellMeeting]) -> list[CellMeeting]:
+        found = list(meetings)
+        for each in self.running:
+            each.look_at([time for meeting in found for time in (meeting.begin, meeting.deepest)])
+        return found
 
     def overlaps(self, drawn: Iterable[tuple[CellBody, CellBody, float]]) -> Iterator[Diagnostic]:
         """GS930 for things that lie in each other."""

@@ -27,6 +27,7 @@ MOST_POINTS = 160  # of the polytope
 MOST_FACES = 2 * MOST_POINTS
 LEAST = 1e-13  # what a unit vector must have across an axis to count as not along it
 FRONT = 1e-10  # [m] a corner this little in front of a face is in its plane
+GONE = -1  # in place of the first corner of a face that is no more
 FLAT = 1e-12  # [m] a polytope thinner than this has no inside
 
 Ints = NDArray[np.int64]
@@ -88,7 +89,7 @@ def gap_room() -> GapRoom:
     )
 
 
-@kernel
+@kernel(inlined=True)
 def farthest(i: int, bodies: Convexes, X: Array, d: Array, sign: float, out: Array) -> float:
     """Farthest point `out` (3,) of body `i` at X (4, 4) in direction `sign` d, and its product with it; not grown."""
     u = sign * (X[0, 0] * d[0] + X[1, 0] * d[1] + X[2, 0] * d[2])
@@ -202,7 +203,22 @@ def signed_gap(a: int, b: int, bodies: Convexes, Xa: Array, Xb: Array, enough: f
     is_apart, distance = approach(a, b, bodies, Xa, Xb, enough + grown, room, n)
     if is_apart:
         return distance - grown
-    return -_depth(a, b, bodies, Xa, Xb, room, n) - grown
+    return -_depth(a, b, bodies, Xa, Xb, -math.inf, math.inf, room, n) - grown
+
+
+@kernel
+def gap_between(
+    a: int, b: int, bodies: Convexes, Xa: Array, Xb: Array, low: float, high: float, room: GapRoom, n: Array
+) -> float:
+    """`signed_gap`, worked out no further than until it is known to be `low` at least, and whether it is above `high`.
+
+    Then it is some number of which both are true. Of a gap below `low` it is the gap, with its direction in `n` (3,).
+    """
+    grown: float = bodies.grown[a] + bodies.grown[b]
+    is_apart, distance = approach(a, b, bodies, Xa, Xb, math.inf, room, n)
+    if is_apart:
+        return distance - grown
+    return -_depth(a, b, bodies, Xa, Xb, -low - grown, -high - grown, room, n) - grown
 
 
 @kernel
@@ -214,12 +230,17 @@ def is_nearer(a: int, b: int, bodies: Convexes, Xa: Array, Xb: Array, limit: flo
         return distance - grown < limit
     if limit > -grown:
         return True
-    return -_depth(a, b, bodies, Xa, Xb, room, n) - grown < limit
+    return -_depth(a, b, bodies, Xa, Xb, -math.inf, math.inf, room, n) - grown < limit
 
 
 @kernel
-def _depth(a: int, b: int, bodies: Convexes, Xa: Array, Xb: Array, room: GapRoom, n: Array) -> float:
+def _depth(
+    a: int, b: int, bodies: Convexes, Xa: Array, Xb: Array, shallow: float, asked: float, room: GapRoom, n: Array
+) -> float:
     """How far [m] the origin is in the difference of two bodies; `n` becomes the way out for `a`.
+
+    Where it is `shallow` at most, some greater number may come back for it that is so, too, and is `asked` or more only
+    if the depth is.
 
     A polytope inside the difference grows where its surface comes nearest to the origin. It need not hold the origin
     from the start: a face that has it in front is the nearest of all.
@@ -249,7 +270,10 @@ def _depth(a: int, b: int, bodies: Convexes, Xa: Array, Xb: Array, room: GapRoom
             least = reach
             for c in range(3):
                 n[c] = -room.d[c]
-        if least - planes[best, 3] <= NEAR + RELATIVE * abs(least) or count >= MOST_POINTS:
+        inside = planes[best, 3]
+        if least - inside <= NEAR + RELATIVE * abs(least) or count >= MOST_POINTS:
+            break
+        if least <= shallow and (inside >= asked or least < asked):
             break
         for c in range(3):
             corners[count, c] = room.point[c]
@@ -396,26 +420,41 @@ def _seen_from(room: GapRoom, used: int, new: int, best: int) -> int:
 
 @kernel
 def _grow(room: GapRoom, used: int, new: int, best: int) -> int:
-    """Replace the faces that corner `new` lies in front of; how many faces there are now, 0 when there is no room."""
+    """Replace the faces that corner `new` lies in front of; how many rows hold faces now, 0 when there is no room.
+
+    A face that is gone keeps its row until rows run out, and is never the nearest: so faces are seldom moved. They
+    stay in the order in which they came.
+    """
     corners, faces, planes, edges = room.corners, room.faces, room.planes, room.edges
     rim = _seen_from(room, used, new, best)
-    kept = 0
     for f in range(used):
         if room.seen[f] == 1:
             _own(room, f, -1)
-    for f in range(used):
-        if room.seen[f] == 0:
-            for c in range(3):
-                faces[kept, c] = faces[f, c]
-            for c in range(4):
-                planes[kept, c] = planes[f, c]
-            _own(room, kept, kept)
-            kept += 1
-    if rim == 0 or kept + rim > MOST_FACES:
+            faces[f, 0], planes[f, 3] = GONE, math.inf
+    if used + rim > MOST_FACES:
+        used = _move_up(room, used)
+    if rim == 0 or used + rim > MOST_FACES:
         return 0
     for e in range(rim):
-        faces[kept, 0], faces[kept, 1], faces[kept, 2] = edges[e, 0], edges[e, 1], new
-        _face(corners, faces, planes, kept, -1)
+        faces[used, 0], faces[used, 1], faces[used, 2] = edges[e, 0], edges[e, 1], new
+        _face(corners, faces, planes, used, -1)
+        _own(room, used, used)
+        used += 1
+    return used
+
+
+@kernel
+def _move_up(room: GapRoom, used: int) -> int:
+    """Move faces up to where others are gone; how many there are."""
+    faces, planes = room.faces, room.planes
+    kept = 0
+    for f in range(used):
+        if faces[f, 0] == GONE:
+            continue
+        for c in range(3):
+            faces[kept, c] = faces[f, c]
+        for c in range(4):
+            planes[kept, c] = planes[f, c]
         _own(room, kept, kept)
         kept += 1
     return kept

@@ -12,7 +12,16 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gcodesim.checks.gap_kernels import RELATIVE, Convexes, GapRoom, Ints, gap_along, is_nearer, signed_gap
+from gcodesim.checks.gap_kernels import (
+    RELATIVE,
+    Convexes,
+    GapRoom,
+    Ints,
+    gap_along,
+    gap_between,
+    is_nearer,
+    signed_gap,
+)
 from gcodesim.checks.way_kernels import (
     CLOSE,
     GOLDEN,
@@ -381,14 +390,16 @@ def deepest_of(
     pair: Ints,
     stretches: tuple[int, int],
     bounds: tuple[float, float, float],
+    enough: float,
     scene: tuple[Couple, JointTree, WayColumns, Forest, Convexes],
     walk: Walk,
     rooms: tuple[WayRoom, GapRoom],
 ) -> float:
-    """The gap [m] of two bodies at the poses of `walk`, if it is above some level on all of some stretches; else NaN.
+    """A gap [m] of two bodies at the poses of `walk`, if it is above some level on all of some stretches; else NaN.
 
-    `bounds`: that level, how much a gap may change on the stretches, and a gap from which on nothing counts. Where a
-    gap may change too much, the direction in which bodies are to be parted here may still be one for all stretches.
+    It is not above `enough` only if the true one is not. `bounds`: that level, how much a gap may change on the
+    stretches, and a gap from which on nothing counts. Where a gap may change too much, the direction in which bodies
+    are to be parted here may still be one for all stretches.
     """
     _, _, _, forest, bodies = scene
     room, gaps = rooms
@@ -401,11 +412,63 @@ def deepest_of(
         if top < 0:
             return deepest
         a, b = forest.convex[nodes[top, 0]], forest.convex[nodes[top, 1]]
-        gap = signed_gap(a, b, bodies, walk.Xa, walk.Xb, math.inf, gaps, room.n)
+        gap = gap_between(a, b, bodies, walk.Xa, walk.Xb, least + between, enough, gaps, room.n)
         deepest = min(deepest, gap)
-        if gap - between < least and not is_above(p, (a, b), stretches, least, scene, rooms):
+        if gap < least + between and not is_above(p, (a, b), stretches, least, scene, rooms):
             return math.nan
         top -= 1
+
+
+@kernel
+def corner_shift(i: int, X: Array, Y: Array, forest: Forest) -> float:
+    """The greatest way [m] of a corner of the box of node i from pose `X` (4, 4) of its carrier to `Y`."""
+    most = 0.0
+    for corner in range(8):
+        square = 0.0
+        for r in range(3):
+            d = Y[r, 3] - X[r, 3]
+            for c in range(3):
+                half = forest.half[i, c] if corner >> c & 1 else -forest.half[i, c]
+                d += (Y[r, c] - X[r, c]) * (forest.centre[i, c] + half)
+            square += d * d
+        most = max(most, square)
+    return math.sqrt(most)
+
+
+@kernel
+def shift_on(
+    p: int,
+    pair: Ints,
+    stretches: tuple[int, int],
+    most: float,
+    scene: tuple[Couple, JointTree, WayColumns, Forest, Convexes],
+    walk: Walk,
+    rooms: tuple[WayRoom, GapRoom],
+) -> float:
+    """How far [m] the gap of two bodies may be, on some stretches, from that at the poses of `walk`; inf beyond `most`.
+
+    Joints that turn against each other move bodies less than the sum of what each does, so bodies are placed at all
+    nodes. A body moves no farther than a corner of a box around it; between nodes it leaves the chord by no more than
+    its acceleration allows.
+    """
+    couple, chain, way, forest, _ = scene
+    room, _ = rooms
+    lo, hi = stretches
+    shift = 0.0
+    for k in range(hi, lo - 1, -1):
+        # the last one first, then the first: it mostly is too far there, if anywhere
+        node = lo if k == hi - 1 else k if k == hi else k + 1
+        for j in range(way.q.shape[1]):
+            room.q[j] = way.q[node, j]
+        place_pair(p, couple, chain, room)
+        bow = 0.0
+        for stretch in (max(node - 1, lo), min(node, hi - 1)):
+            bow = max(bow, acceleration_of(p, stretch, couple, chain, way) / 8.0 + slack_of(p, stretch, couple, way))
+        there = corner_shift(pair[0], walk.Xa, room.Xa, forest) + corner_shift(pair[1], walk.Xb, room.Xb, forest)
+        shift = max(shift, there + bow)
+        if shift > most:
+            return math.inf
+    return shift
 
 
 @kernel
@@ -422,19 +485,20 @@ def stays(
     """Whether a pair that begins some stretches below the level stays so and is nowhere deeper than it has been.
 
     The bodies are at the poses of `walk` at a node of these stretches, and joints swing by ``walk.swing`` about it; a
-    gap changes by no more than the way of one body against the other.
+    gap changes by no more than the ways of both bodies.
     """
     lo, hi = stretches
     e = walk.open[p]
     if e < 0 or walk.last[p] != lo - 1 or walk.sinks[p] > 0:
         return False
     least = least_known(e, level, found)
-    between = range_of(p, scene[0], walk.swing)
+    between = min(range_of(p, scene[0], walk.swing), shift_on(p, pair, stretches, level - least, scene, walk, rooms))
     if least + between > level:
         return False
-    limit = max(least + between, level - between)
-    deepest = deepest_of(p, pair, stretches, (least, between, limit), scene, walk, rooms)
-    if not deepest + between <= level:
+    enough = level - between
+    limit = max(least + between, enough)
+    deepest = deepest_of(p, pair, stretches, (least, between, limit), enough, scene, walk, rooms)
+    if not deepest <= enough:
         return False
     walk.last[p], walk.ended[p], found.rows[e, 2] = hi - 1, math.inf, hi - 1
     return True

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import trimesh
 
+from gcodesim.checks.gap_kernels import gap_between, gap_room, signed_gap
 from gcodesim.checks.meetings import JointWay, Meeting, MovingBodies
 from gcodesim.checks.rigid import RigidBody, Woods, is_closed, is_convex, is_within
 from gcodesim.frames import Pose, rotation_about
@@ -175,6 +176,31 @@ def test_depth_is_the_least_way_out_in_any_direction() -> None:
             (meeting,) = found
             assert -meeting.gap <= overlap.min() + 1e-8
             assert -meeting.gap == pytest.approx(overlap.min(), abs=8e-4)
+
+
+def test_a_gap_is_worked_out_only_as_far_as_two_limits_ask() -> None:
+    """A cylinder and a cone that are in each other: both answers are right, and below `low` it is the gap itself."""
+    rng, room, n = np.random.default_rng(9), gap_room(), np.zeros(3)
+    rod = RigidBody(
+        name="rod", solids=(Placed(Cylinder(radius=0.03, bottom=-0.1, top=0.1), Pose.identity()),), carrier=0
+    )
+    cone = Cone(bottom_radius=0.05, top_radius=0.01, bottom=-0.06, top=0.06)
+    convexes, _ = pair_of(ALONG_X, rod, RigidBody(name="cone", solids=(Placed(cone, Pose.identity()),))).table()
+    early = 0
+    for _ in range(300):
+        A, B = (Pose(0.02 * rng.normal(size=3), np.eye(3)).matrix for _ in range(2))
+        turn = rng.normal(size=3)
+        B[:3, :3] = rotation_about(turn / np.linalg.norm(turn), float(rng.uniform(0.0, 3.0)))
+        gap = signed_gap(0, 1, convexes, A, B, np.inf, room, n)
+        low, high = (gap + 0.02 * rng.normal(size=2)).tolist()
+        found = gap_between(0, 1, convexes, A, B, low, high, room, n)
+        assert found <= gap + 1e-7 and (found >= low) == (gap >= low)
+        if gap >= low:
+            assert (found > high) == (gap > high)
+            early += found < gap - 1e-6
+        else:
+            assert found == gap
+    assert early > 30
 
 
 def dish(across: int) -> Mesh:
