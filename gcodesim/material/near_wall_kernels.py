@@ -100,7 +100,7 @@ def has_wall(field: Field, i: int, j: int) -> bool:
     if i < 0 or j < 0 or i + 1 >= nx or j + 1 >= ny:
         return True
     walls = field.walls
-    for kind in range(0, walls.shape[0] - 1, HUNG):
+    for kind in range(0, min(walls.shape[0], ABOVE), HUNG):
         crossed_x = walls[kind, i + 1, j] != 0.0 or walls[kind, i + 1, j + 1] != 0.0
         if crossed_x or walls[kind + 1, i, j + 1] != 0.0 or walls[kind + 1, i + 1, j + 1] != 0.0:
             return True
