@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
-from gcodesim.compiled import compiling, kernel
+from gcodesim.compiled import compiling, kernel, shortcuts
 from gcodesim.compiled.shortcuts import taken
 
 
@@ -72,3 +73,26 @@ def test_numba_is_left_as_it_was() -> None:
     with taken():
         assert all(inside is not outside for inside, outside in zip(found(), before, strict=True))
     assert found() == before
+
+
+def test_a_shortcut_whose_place_numba_no_longer_has_is_left_out(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from numba.np import arrayobj
+
+    def gone() -> Iterator[shortcuts.Shortcut]:
+        yield arrayobj, "a_place_that_was_renamed", None
+
+    def not_there() -> Iterator[shortcuts.Shortcut]:
+        from numba import a_module_that_was_moved
+
+        yield a_module_that_was_moved, "place", None
+
+    known = len(shortcuts._shortcuts())
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+    monkeypatch.setattr(shortcuts, "_ALL", (gone, *shortcuts._ALL, not_there))
+    shortcuts._shortcuts.cache_clear()
+    assert len(shortcuts._shortcuts()) == known
+    assert compiling._knows_this_numba.__wrapped__()
+    assert kernel(items.py_func)(np.array([1.0, 2.0, 4.0]), 2) == 7.0  # type: ignore[attr-defined]
+    shortcuts._shortcuts.cache_clear()
