@@ -167,6 +167,8 @@ def _codegen() -> Any:
     import llvmlite.binding as llvm
     from numba.core.codegen import JITCodeLibrary, JITCPUCodegen
 
+    from gcodesim.compiled.lowering import prune
+
     class Library(JITCodeLibrary):  # type: ignore[misc]
         """The code of one part, or of an entry with all parts that it needs.
 
@@ -180,6 +182,10 @@ def _codegen() -> Any:
                 if not function.is_declaration:
                     passes, builder = self._codegen._function_pass_manager()
                     passes.run(function, builder)
+
+        def add_ir_module(self, ir_module: Any) -> None:
+            prune(ir_module)
+            super().add_ir_module(ir_module)
 
         def finalize(self) -> None:
             self._raise_if_finalized()

@@ -241,6 +241,19 @@ def _silence() -> Iterator[Shortcut]:
         yield module, "_logger", SimpleNamespace(debug=lambda *words: None)
 
 
+def _values() -> Iterator[Shortcut]:
+    """Instructions of LLVM for the statements of a kernel, see `lowering`."""
+    from numba.core.typed_passes import NativeLowering
+    from numba.np import arrayobj
+
+    from gcodesim.compiled.lowering import array_maker, index_fixer, lower_class
+
+    lower = lower_class()
+    yield NativeLowering, "lowering_class", property(lambda self: lower)
+    yield arrayobj, "make_array", array_maker(arrayobj.make_array)
+    yield arrayobj, "fix_integer_index", index_fixer(arrayobj.fix_integer_index)
+
+
 _ALL: Final[tuple[Callable[[], Iterator[Shortcut]], ...]] = (
     _typing,
     _options,
@@ -251,4 +264,5 @@ _ALL: Final[tuple[Callable[[], Iterator[Shortcut]], ...]] = (
     _location,
     _registries,
     _silence,
+    _values,
 )

@@ -15,6 +15,7 @@ FILES = {
     "compiled/arguments.py": "1",
     "compiled/compiling.py": "1",
     "compiled/entry.py": "1",
+    "compiled/lowering.py": "1",
     "compiled/memory.py": "1",
     "compiled/shortcuts.py": "1",
     "compiled/target.py": "1",
