@@ -8,7 +8,7 @@ from typing import ClassVar
 from gcodesim.calculator.law_keys import CutModel
 from gcodesim.calculator.model import CannotComputeError, Result, Value
 from gcodesim.declarations.keys import key
-from gcodesim.declarations.kind import POSITIVE
+from gcodesim.declarations.kind import NOT_NEGATIVE, POSITIVE
 from gcodesim.declarations.quantity import Quantity
 from gcodesim.frozen import frozen
 from gcodesim.processes.constant_cut import plunge_forces
@@ -24,7 +24,7 @@ class Drilling(CutModel):
     says: ClassVar[str] = "torque, thrust and power of a drill"
     source: ClassVar[str] = (
         "two lips: kappa = point angle / 2, b = D/(2 sin kappa), h = f_z sin kappa; torque from F_t at D/4, thrust from"
-        " F_n sin kappa; the chisel edge is not modelled"
+        " F_n sin kappa; with `chisel_edge` the factors of Machinery's Handbook"
     )
     also: ClassVar[tuple[str, ...]] = ("drilling", "drill.thrust", "drilling.torque")
     spellings: ClassVar[dict[str, str]] = {
@@ -53,6 +53,11 @@ class Drilling(CutModel):
     diameter: float = key(Quantity("length", POSITIVE), "diameter of the drill", example="8 mm")
     point_angle: float = key("angle", "angle of the point, lip to lip", default=118.0 * DEG, example="140 deg")
     flutes: int = key("count", "number of lips", default=2)
+    chisel_edge: float = key(
+        Quantity("length", NOT_NEGATIVE),
+        "length of the chisel edge across its web, usually 0.18 of the diameter; 0: lips reach the axis",
+        default=0.0,
+    )
     feed_per_rev: float | None = key("length", "feed of a turn; or `feed_per_tooth`, or `feed`", default=None)
     feed_per_tooth: float | None = key("length", "feed of a lip", default=None)
     feed: float | None = key("speed", "of the drill", default=None, example="200 mm/min")
@@ -67,18 +72,20 @@ class Drilling(CutModel):
         return 0.0 if self.cutting_speed is None else 2.0 * self.cutting_speed / self.diameter
 
     def compute(self) -> dict[str, Value]:
-        drill = Drill(diameter=self.diameter, flutes=self.flutes, point_angle=self.point_angle)
+        drill = Drill(
+            diameter=self.diameter, flutes=self.flutes, point_angle=self.point_angle, chisel_edge=self.chisel_edge
+        )
         for _, problem in drill.problems():
             raise CannotComputeError(problem)
         turn = self._feed_of_a_turn()
         found = plunge_forces(drill, self.law, feed_per_rev=turn, spindle=self.speed)
-        row = drill.edge[0]
+        lip = float(drill.edge[:, 5].sum())
         values: dict[str, Value] = {
             "torque": found.torque,
             "thrust": float(found.force[2]),
             "Ft_per_lip": found.torque / (self.flutes * 0.25 * self.diameter),
-            "chip_thickness": turn / self.flutes * 0.5 * self.diameter / float(row[5]),
-            "chip_width": float(row[5]),
+            "chip_thickness": turn / self.flutes * 0.5 * self.diameter / lip,
+            "chip_width": lip,
         }
         if self.speed:
             values |= {

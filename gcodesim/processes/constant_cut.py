@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from gcodesim.arithmetic.elementary import acos, asin, cos, cos_sin, power, sin, tan
 from gcodesim.frozen import frozen
+from gcodesim.processes.drill_point import chisel_push, edge_law
 from gcodesim.processes.laws import Kienzle, Law
 from gcodesim.tools.cutter import Cutter
 
@@ -332,8 +333,8 @@ def plunge_forces(cutter: Cutter, law: Law, *, feed_per_rev: float, spindle: flo
     """Forces of straight plunging or drilling in solid material, edges in to the full diameter; constant in time.
 
     A drill: two lips (or `flutes`), each D / (2 sin sigma) long with h = f_z sin sigma, sigma half the point angle;
-    thrust from the normal force, torque from the tangential one at D/4 on average. A flat end mill: bottom edges
-    with kappa = 0, db = dr and h = f_z. The chisel edge is not modelled.
+    thrust from the normal force, torque from the tangential one at D/4 on average; and its chisel edge, see
+    `tools.chisel_edge`. A flat end mill: bottom edges with kappa = 0, db = dr and h = f_z.
     """
     c = feed_per_rev / cutter.flutes
     parts: list[Array] = []
@@ -346,11 +347,14 @@ def plunge_forces(cutter: Cutter, law: Law, *, feed_per_rev: float, spindle: flo
             nodes = _Nodes(r=row[1] + s * cos(float(row[3])), z=s, kappa=np.full_like(s, row[3]), b=w)
         else:
             continue
-        found = _elements(nodes, nodes.b * cutter.flutes, np.zeros_like(nodes.kappa), np.zeros_like(nodes.kappa))
+        width, none = row[8] * nodes.b * cutter.flutes, np.zeros_like(nodes.kappa)
+        found = _elements(nodes, width, none, none)
         found[:, -1] = c * cos(nodes.kappa)
         parts.append(found)
-    force, torque = _summed(law, parts)
+    force, torque = _summed(edge_law(cutter, law), parts)
     force[:2] = 0.0  # all lips together push nowhere to the side
+    if cutter.chisel_length > 0.0:
+        force[2] += chisel_push(cutter, law)
     magnitude = abs(float(force[2]))
     return CutForces(
         force=force, torque=torque, power=torque * spindle,

@@ -26,16 +26,19 @@ UPRIGHT = 1.0e-12  # cosine of kappa below which a straight piece is part of a c
 LEAST_PIECES = 4  # of an edge for which there is room
 
 # Columns of `Teeth.pieces`, the outline of an edge: see `Cutter.edge`.
-ARC, AT_R, AT_Z, KAPPA, KAPPA_END, LENGTH, FOOT, HEAD = 0, 1, 2, 3, 4, 5, 6, 7
+# After them what it is pressed into the material by [N/m], however thin the chip.
+ARC, AT_R, AT_Z, KAPPA, KAPPA_END, LENGTH, FOOT, HEAD, WEIGHT, PUSH = 0, 1, 2, 3, 4, 5, 6, 7, 8, 9
 
 # Columns of `Room.rows`: radius and height of a row in its middle, kappa there, width, lowest and highest place,
 # largest radius. Nearly all rows touch material at few angles, so each keeps the range of those; nothing else is worked
 # on. Then what the limits of contact within an angle add to the sums of sines and cosines, and that times height [m];
-# in the first row of an arc, whose sines take long, also which piece it is (its number + 1) and the kappa at its end.
+# in the first row of an arc, whose sines take long, also which piece it is (its number + 1) and the kappa at its end;
+# and the push of the piece [N/m]. The width of a row is that of an edge of weight 1 with the same force.
 RADIUS, HEIGHT, SIN_KAPPA, COS_KAPPA, EDGE_WIDTH, LOW, HIGH, OUTER, FROM, TO = 0, 1, 2, 3, 4, 5, 6, 7, 8, 9
 MORE_SINES, MORE_COSINES, LEVER_SINES, LEVER_COSINES = 10, 11, 12, 13
 OF_ARC, UP_TO = 14, 15
-COLUMNS = 16
+PUSHED = 16
+COLUMNS = 17
 
 # An edge that moves into material at less than this share of its speed slides on it without cutting, as the flat bottom
 # of an end mill in a horizontal cut, whose commanded height is never exactly constant.
@@ -96,6 +99,7 @@ def lay_rows(pieces: Array, piece: int, height: float, cell: float, rows: Array)
             rows[i, HEIGHT] = pieces[piece, AT_Z] - radius * cosine
             rows[i, SIN_KAPPA], rows[i, COS_KAPPA] = sine, cosine
             rows[i, EDGE_WIDTH] = radius * step
+            rows[i, PUSHED] = 0.0
             rows[i, LOW] = pieces[piece, AT_Z] - radius * cosine_low
             rows[i, HIGH] = pieces[piece, AT_Z] - radius * cosine_high
             rows[i, OUTER] = pieces[piece, AT_R] + radius * max(sine_low, sine_high)  # undercut: the lower end
@@ -112,7 +116,7 @@ def lay_rows(pieces: Array, piece: int, height: float, cell: float, rows: Array)
         s = (i + 0.5) * step
         rows[i, RADIUS], rows[i, HEIGHT] = pieces[piece, AT_R] + s * cosine, z0 + s * sine
         rows[i, SIN_KAPPA], rows[i, COS_KAPPA] = sine, cosine
-        rows[i, EDGE_WIDTH] = step
+        rows[i, EDGE_WIDTH], rows[i, PUSHED] = step * pieces[piece, WEIGHT], pieces[piece, PUSH]
         rows[i, LOW], rows[i, HIGH] = z0 + i * step * sine, z0 + (i + 1) * step * sine
         rows[i, OUTER] = rows[i, RADIUS] + 0.5 * step * abs(cosine)
         rows[i, MORE_SINES], rows[i, MORE_COSINES], rows[i, LEVER_SINES], rows[i, LEVER_COSINES] = 0.0, 0.0, 0.0, 0.0

@@ -31,6 +31,7 @@ from gcodesim.processes.edge_kernels import (
     LOW,
     MORE_COSINES,
     MORE_SINES,
+    PUSHED,
     RADIUS,
     SIN_KAPPA,
     STEEPEST,
@@ -86,7 +87,7 @@ class Teeth(NamedTuple):
     number: float
     lag: float  # tangent of the helix
     height: float  # [m] up to which they cut
-    pieces: Array  # (k, 8) outline, see `Cutter.edge`
+    pieces: Array  # (k, 10) outline, see `Cutter.edge`; and the push of each piece [N/m]
     law: ForceLaw
     circle: Circle
 
@@ -352,6 +353,14 @@ def row_forces(teeth: Teeth, heading: Heading, scale: Scale, row: Array, begin: 
     return last
 
 
+@kernel(lean=True)
+def press(push: float, unit: Array) -> None:
+    """Add a push [N/m] along the axis at all angles at which the edge advances."""
+    for k in range(unit.shape[1]):
+        if unit[UNIT_TURN, k] > 0.0:
+            unit[UNIT_Z, k] += push
+
+
 @kernel(lean=True, inlined=True)
 def add_rows(
     teeth: Teeth, heading: Heading, scale: Scale, room: Room, first: int, number: int, straight: bool, seams: int
@@ -364,6 +373,8 @@ def add_rows(
         for i in range(first, first + number):
             begin, end = min(begin, int(rows[i, FROM])), max(end, int(rows[i, TO]))
         last = row_forces(teeth, heading, scale, rows[first], begin, end, room.unit)
+        if rows[first, PUSHED] > 0.0:
+            press(rows[first, PUSHED], room.unit[:, begin:end])
     seam = 0
     for i in range(first, first + number):
         begin, end = int(rows[i, FROM]), int(rows[i, TO])

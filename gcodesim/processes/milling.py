@@ -20,6 +20,7 @@ from gcodesim.arithmetic.matrices import dots
 from gcodesim.frozen import frozen
 from gcodesim.processes.column import ENGAGED, FINDINGS, FORCE, LOG, POWER, REMOVED, RESULTS, TORQUE, Column, Shown
 from gcodesim.processes.cutter_load import LOAD_COLUMNS, CutterLoad, load_findings, tool_compliance
+from gcodesim.processes.drill_point import edge_law, edge_pieces
 from gcodesim.processes.laws import Law
 from gcodesim.processes.leaning import Leaning, cut_in_three, cut_leaning, felt_in, part_of
 from gcodesim.processes.leaning_force import leave
@@ -353,7 +354,7 @@ class Milling(Process):
         from gcodesim.processes.law_kernels import MEANS, TABLE, fill_tables
 
         cutter = self.cutter
-        law = np.array([[0.0, 1.0, 0.0]] * 3) if self.law is None else self.law.packed
+        law = np.array([[0.0, 1.0, 0.0]] * 3) if self.law is None else edge_law(cutter, self.law).packed
         factor, exponent, rub = (np.array(column, dtype=float) for column in law.T)
         powers, means = np.empty((3, TABLE)), np.empty((MEANS, ANGLES))
         fill_tables(exponent, powers, means)
@@ -364,7 +365,7 @@ class Milling(Process):
             number=float(cutter.flutes),
             lag=tan(cutter.helix),
             height=float(cutter.edge_height),
-            pieces=cutter.edge,
+            pieces=edge_pieces(cutter, self.law),
             law=ForceLaw(factor, exponent, rub, powers, means),
             circle=Circle(sine, cosine),
         )

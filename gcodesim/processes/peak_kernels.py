@@ -26,6 +26,7 @@ from gcodesim.processes.edge_kernels import (
     HIGH,
     LEAST_ADVANCE,
     LOW,
+    PUSHED,
     RADIUS,
     SIN_KAPPA,
     TO,
@@ -42,12 +43,12 @@ Array = NDArray[np.float64]
 # Columns of `Turning.stretches`: turning angles [rad] at which the lowest and the highest point enter and leave, and by
 # how much these points are late; the first and the last of these angles; radius [m], sine and cosine of kappa; width of
 # edge [m]; the share of it in material, or -1 where that changes with the angle: then the row whose weights have it and
-# the angles from which to take it; 1 where it goes on in the stretch of the row below, or above.
+# the angles from which to take it; 1 where it goes on in the stretch of the row below, or above; push [N/m].
 (
     ENTER_LOW, ENTER_HIGH, LEAVE_LOW, LEAVE_HIGH, LATE_LOW, LATE_HIGH, EARLIEST, LATEST, AT_RADIUS, SINE_AT, COSINE_AT,
-    WIDE, SHARE, ROW_OF, SHARE_FIRST, SHARE_LAST, JOINS_LOW, JOINS_HIGH,
-) = range(18)  # fmt: skip
-STRETCHES = 18
+    WIDE, SHARE, ROW_OF, SHARE_FIRST, SHARE_LAST, JOINS_LOW, JOINS_HIGH, PUSHES,
+) = range(19)  # fmt: skip
+STRETCHES = 19
 MOST_OF_ROW = ANGLES // 2  # stretches of one row
 
 ONE = 2.0 * np.pi / ANGLES  # angle [rad]
@@ -128,7 +129,7 @@ def lay_blurred(chips: Chips, row: Array, line: Array, stretches: Array, number:
         stretch[ENTER_LOW], stretch[ENTER_HIGH] = enter * ONE, enter * ONE
         stretch[LEAVE_LOW], stretch[LEAVE_HIGH] = leave * ONE, leave * ONE
         stretch[AT_RADIUS], stretch[SINE_AT], stretch[COSINE_AT] = row[RADIUS], row[SIN_KAPPA], row[COS_KAPPA]
-        stretch[WIDE], stretch[SHARE] = row[EDGE_WIDTH], 1.0
+        stretch[WIDE], stretch[PUSHES], stretch[SHARE] = row[EDGE_WIDTH], row[PUSHED], 1.0
         stretch[SHARE_FIRST], stretch[SHARE_LAST] = 0.0, 0.0
         stretch[JOINS_LOW], stretch[JOINS_HIGH] = 0.0, 0.0
         number += 1
@@ -188,7 +189,7 @@ def lay_row(chips: Chips, row: Array, line: Array, stretches: Array, number: int
         stretch[ENTER_LOW], stretch[ENTER_HIGH] = enter * ONE, enter * ONE
         stretch[LEAVE_LOW], stretch[LEAVE_HIGH] = leave * ONE, leave * ONE
         stretch[AT_RADIUS], stretch[SINE_AT], stretch[COSINE_AT] = row[RADIUS], row[SIN_KAPPA], row[COS_KAPPA]
-        stretch[WIDE] = row[EDGE_WIDTH]
+        stretch[WIDE], stretch[PUSHES] = row[EDGE_WIDTH], row[PUSHED]
         stretch[SHARE] = -1.0 if most - least > ALIKE and last - first >= 2 else share
         stretch[SHARE_FIRST], stretch[SHARE_LAST] = inner_first, inner_last
         stretch[JOINS_LOW], stretch[JOINS_HIGH] = 0.0, 0.0
@@ -319,7 +320,7 @@ def load_between(chips: Chips, stretch: Array, line: Array, angle: float, low: f
         inward = normal * sine_kappa + axial * cosine_kappa
         load[0] -= tangential * cosine + inward * sine
         load[1] += tangential * sine - inward * cosine
-        load[2] += normal * cosine_kappa - axial * sine_kappa
+        load[2] += normal * cosine_kappa - axial * sine_kappa + width * stretch[PUSHES]
         load[3] += tangential * stretch[AT_RADIUS]
 
 

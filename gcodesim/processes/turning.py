@@ -30,6 +30,7 @@ from gcodesim.processes.column import (
     TORQUE,
     Column,
 )
+from gcodesim.processes.drill_point import edge_law
 from gcodesim.processes.protocol import ActsOn, Process
 from gcodesim.processes.signal import PITCH, SPINDLE, SURFACE_SPEED, Signal
 from gcodesim.processes.turning_misuse import turning_findings
@@ -212,7 +213,7 @@ def drilling_of(drill: Drill, material: Material | None) -> Turning:
         cutting=np.array([True, False, False, False, True]),
         shank=np.zeros((0, 2)),
         teeth=max(2, drill.flutes),
-        law=None if material is None else material.law,
+        law=None if material is None or material.law is None else edge_law(drill, material.law),
         beside=True,
     )
 

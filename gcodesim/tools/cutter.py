@@ -34,17 +34,17 @@ def usual_length(diameter: float) -> float:
     return max(4.0 * diameter, 40.0 * MM)
 
 
-def line_piece(r0: float, z0: float, r1: float, z1: float) -> tuple[float, ...]:
+def line_piece(r0: float, z0: float, r1: float, z1: float, weight: float = 1.0) -> tuple[float, ...]:
     """Row of `Cutter.edge` for a straight piece of the edge's outline from (r0, z0) to (r1, z1) [m]."""
     length = math.hypot(r1 - r0, z1 - z0)
     kappa = float(atan2(z1 - z0, r1 - r0))
-    return (0.0, r0, z0, kappa, kappa, length, z0, z1)
+    return (0.0, r0, z0, kappa, kappa, length, z0, z1, weight)
 
 
 def arc_piece(rc: float, zc: float, radius: float, kappa0: float, kappa1: float) -> tuple[float, ...]:
     """Row of `Cutter.edge` for an arc about (rc, zc) [m]: r = rc + radius sin kappa, z = zc - radius cos kappa."""
     z0, z1 = zc - radius * cos(kappa0), zc - radius * cos(kappa1)
-    return (radius, rc, zc, kappa0, kappa1, radius * (kappa1 - kappa0), float(z0), float(z1))
+    return (radius, rc, zc, kappa0, kappa1, radius * (kappa1 - kappa0), float(z0), float(z1), 1.0)
 
 
 @frozen
@@ -144,13 +144,24 @@ class Cutter(Tool):
 
     @property
     def edge(self) -> Array:
-        """The outline of a cutting edge (k, 8), from the axis outwards and up.
+        """The outline of a cutting edge (k, 9), from the axis outwards and up.
 
         A row is one piece: radius of the arc (0: straight), r and z of its centre (straight: of its start),
-        kappa at start and end [rad], arc length, z at start and end [m]. kappa is the angle between the edge and
-        the plane across the axis: 0 on a flat bottom, 90 degrees on the cylinder.
+        kappa at start and end [rad], arc length, z at start and end [m], and how many times the force of a sharp edge
+        it bears. kappa is the angle between the edge and the plane across the axis: 0 on a flat bottom, 90 degrees
+        on the cylinder.
         """
-        return np.array(self._edge_pieces(), dtype=np.float64).reshape(-1, 8)
+        return np.array(self._edge_pieces(), dtype=np.float64).reshape(-1, 9)
+
+    @property
+    def point_diameter(self) -> float:
+        """Of the point that the innermost edges make [m]."""
+        return self.diameter
+
+    @property
+    def chisel_length(self) -> float:
+        """Length of the chisel edge between the lips of a drill [m]; it is the first piece of `edge`."""
+        return 0.0
 
     @property
     def leaves_ridges(self) -> bool:

@@ -12,7 +12,7 @@ from gcodesim.units import DEG
 
 @frozen
 class SpotDrill(Drill):
-    """A spot or centre drill; only its lips cut."""
+    """A spot or centre drill."""
 
     kind: ClassVar[str] = "spot_drill"
 

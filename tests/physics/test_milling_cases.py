@@ -213,7 +213,7 @@ def test_nothing_gives_nothing():
 
 def test_drilling_by_the_handbook():
     """Two lips of D / (2 sin sigma) at h = f_z sin sigma: torque from Ft at D/4, thrust from Fn sin sigma."""
-    drill, f_z = mill(8.0, 2, 0.0, "drill"), 0.1e-3
+    drill, f_z = mill(8.0, 2, 0.0, "drill", chisel_edge=0.0), 0.1e-3
     sigma = 59.0 * DEG
     ft, fn, _ = chip_force(STEEL, width=drill.diameter / (2.0 * math.sin(sigma)), chip=f_z * math.sin(sigma))
 
@@ -337,17 +337,46 @@ def test_contact_ends_where_the_wall_is(law, mode, cells, off):
         assert found["chip_thickness"][0] == pytest.approx(thickest, rel=off + 2e-3)
 
 
-@pytest.mark.parametrize("kind", ["flat_end_mill", "ball_end_mill", "drill"])
-def test_plunge_in_stock(kind):
-    tool = mill(6.0, 2, kind=kind)
+# c / d, A, B and J: Machinery's Handbook, 31st ed., "Machining Power", table 7
+@pytest.mark.parametrize(
+    ("share", "A", "B", "J"), [(0.03, 1.000, 1.100, 0.001), (0.18, 1.085, 1.355, 0.030), (0.40, 1.395, 1.620, 0.160)]
+)
+def test_chisel_edge_by_the_handbook(share, A, B, J):
+    """Thrust B T + 0.007 K d² J and torque A M beside lips that reach the axis, K from M = 2.5e-5 K f^0.8 d^1.8."""
+    feed = 0.015 * 8e-3
+    lips = plunge_forces(mill(8.0, 2, 0.0, "drill", chisel_edge=0.0), STEEL, feed_per_rev=feed)
+    constant = lips.torque / (2.5e-5 * 0.12**0.8 * 8.0**1.8)
+
+    found = plunge_forces(mill(8.0, 2, 0.0, "drill", chisel_edge=share * 8e-3), STEEL, feed_per_rev=feed)
+
+    assert found.force[2] == pytest.approx(B * lips.force[2] + 0.007 * constant * 64.0 * J, rel=1e-9)
+    assert found.torque == pytest.approx(A * lips.torque, rel=0.02 if share < 0.2 else 0.1)
+
+
+def test_a_drill_that_goes_faster_is_pressed_harder():
+    """Constants of mills have a share along helical flanks, which lips do not have: thrust fell with the feed."""
+    drill = mill(6.0, 2, 30.0, "drill")
+    thrusts = [plunge_forces(drill, ALUMINIUM, feed_per_rev=feed).force[2] for feed in (0.0, 0.1e-3, 0.2e-3, 0.4e-3)]
+
+    slope = 2.0 * 3e-3 * ALUMINIUM.krc * math.sin(59.0 * DEG)  # of two lips, and more of the chisel edge
+    for slow, fast, more in zip(thrusts, thrusts[1:], (0.1e-3, 0.1e-3, 0.2e-3), strict=True):
+        assert fast - slow == pytest.approx(1.355 * slope * 0.5 * more, rel=1e-9)
+
+
+@pytest.mark.parametrize("law", [STEEL, ALUMINIUM])
+@pytest.mark.parametrize("kind", ["flat_end_mill", "ball_end_mill", "drill", "step_drill"])
+def test_plunge_in_stock(kind, law):
+    more = {"tip_diameter": 4e-3, "step_length": 3e-3} if kind == "step_drill" else {}
+    tool = mill(6.0, 2, kind=kind, **more)
     stock = Stock.box((0.0, 0.0, -20e-3), (20e-3, 20e-3, 0.0), 0.25e-3)
     feed = 0.1e-3 * OMEGA / (2.0 * math.pi)
     window = straight((10e-3, 10e-3, 1e-3), (10e-3, 10e-3, -8e-3), feed=feed, spindle=OMEGA)
-    wanted = plunge_forces(tool, STEEL, feed_per_rev=0.1e-3, spindle=OMEGA)
+    wanted = plunge_forces(tool, law, feed_per_rev=0.1e-3, spindle=OMEGA)
 
-    found = run(tool, STEEL, stock, window)
+    found = run(tool, law, stock, window)
 
     late = slice(-40, None)
+    assert found["peak_force"][late].mean() == pytest.approx(np.linalg.norm(wanted.force), rel=0.03)
     assert found.wrench[late, :3].mean(axis=0) == pytest.approx(wanted.force, abs=0.01 * np.linalg.norm(wanted.force))
     assert found["torque"][late].mean() == pytest.approx(wanted.torque, rel=0.01)
     early = window.piece_end[:, 2] >= 0.0
