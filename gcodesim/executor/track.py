@@ -25,6 +25,7 @@ from gcodesim.executor.stint import Stint
 from gcodesim.executor.stock_change import StockChange, add_changes
 from gcodesim.executor.switching import Switching
 from gcodesim.executor.tasks import Only, RowColumns
+from gcodesim.executor.tip_swings import TipSwings
 from gcodesim.executor.totals import JointTotals, RowTotals
 from gcodesim.executor.weave import Weave
 from gcodesim.executor.window import Carry, Ints, StepWindow, first_carry, window_of
@@ -97,8 +98,9 @@ class Execution:
     step.
     `changes` says what was done to each stock. `others`: the same of further channels.
     `passes` at each stock, of all channels, where there is a target.
-    `accuracy`: how far the tip was off its path; None where neither gears nor controllers let it. `freed` are the
-    pieces that came loose, in order, and `loose` what became of those of all channels, where the world is an engine.
+    `accuracy`: how far the tip was off its path; None where neither gears nor controllers let it. `swings`: how its tip
+    swung while it cut; None where gears do not move. `freed` are the pieces that came loose, in order, and `loose` what
+    became of those of all channels, where the world is an engine.
     """
 
     rows: RowTotals
@@ -114,6 +116,7 @@ class Execution:
     others: Sequence[Execution] = ()
     passes: Mapping[str, Passes] = field(default_factory=dict)
     accuracy: PathAccuracy | None = None
+    swings: TipSwings | None = None
     freed: Sequence[Freed] = ()
     loose: Sequence[LooseBody] = ()
 
@@ -170,11 +173,12 @@ class Track:
         )
         self.world = open_world(world_name, body, dt_ns, efforts=brought.efforts)
         self._joints = JointTotals.start(self._home, told=self.world.tells_efforts)
-        gears_move = body.controller.law != "ideal"
+        gears_move = not self.world.keeps_to_command
         self._coupling = Coupling(plan, shop, self.rows, parts, gears_move=gears_move, only=brought.only)
         self._guard = ProbeGuard(shop)
         yields = shop.stiffness is not None or gears_move
         self._accuracy = PathAccuracy() if yields else None
+        self._swings = TipSwings(dt_ns * 1e-9) if gears_move else None
         self.changes: dict[str, StockChange] = {}
         self._passes, self._number = passes or {}, number
         self.done = self.last_row = 0
@@ -310,7 +314,10 @@ class Track:
                 record.deflection[here] += applied(J, steps.gear[here])
         if self._accuracy is not None:
             tips = window.tip if np.array_equal(steps.q, window.q) else self.plan.tip(steps.q, window.row)
-            self._accuracy.add(record, tips[:, :3, 3] + record.deflection[:, :3])
+            ends = tips[:, :3, 3] + record.deflection[:, :3]
+            self._accuracy.add(record, ends)
+            if self._swings is not None:
+                self._swings.add(record, ends)
         self._standing = record.standing
         if self._bodies is not None:
             for stretch in cut.stretches:
@@ -374,6 +381,7 @@ class Track:
             changes=self.changes,
             passes=self._passes,
             accuracy=self._accuracy,
+            swings=self._swings,
             freed=tuple(self.freed),
         )
 

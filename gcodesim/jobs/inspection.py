@@ -19,6 +19,7 @@ from gcodesim.executor.record import StepRecord
 from gcodesim.executor.tasks import RowColumns
 from gcodesim.executor.totals import JointTotals, RowTotals
 from gcodesim.jobs.calls import Calls
+from gcodesim.jobs.chatter import chatter_findings
 from gcodesim.jobs.grips import BY_MOTION, grip_finding, held_at_end
 from gcodesim.jobs.loads import loads_of
 from gcodesim.jobs.loose_pieces import loose_finding
@@ -126,6 +127,7 @@ class Inspector:
             *self._freed,
             *self._saturation(execution.joints),
             *self._limits(execution.rows),
+            *chatter_findings(execution.swings, self._shape, self._span),
             *([] if self._bodies is None else self._bodies.findings()),
         ]
 

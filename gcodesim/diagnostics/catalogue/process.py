@@ -152,6 +152,18 @@ CODES: tuple[Code, ...] = (
         remedy="Cut less deep or less wide, or take a speed at which a tooth passes once in one, two, three … swings.",
     ),
     Code(
+        code="GS518",
+        severity=Severity.WARNING,
+        title="Cut that chatters on the gears of its arm",
+        what="In more than a tenth of the steps of 0.4 s of cutting or more the tip of the tool goes back against its "
+        "command, since the links of the arm swing on the springs of their gears and the cut feeds the swing (mode "
+        "coupling: Pan, Zhang, Zhu and Wang 2006). It is looked for with a `controller` "
+        "in the cell: gears without mass do not swing.",
+        why="The wall gets waves, edges break, and the gears are shaken.",
+        remedy="Cut less deep or less wide, stand the arm where it is stiffer, or give measured values as `stiffness` "
+        "and `gear_damping`.",
+    ),
+    Code(
         code="GS519",
         severity=Severity.NOTE,
         title="Blobs",
