@@ -3,6 +3,7 @@
 import numpy as np
 
 from gcodesim.compiled import as_python
+from gcodesim.processes.drill_point import edge_pieces
 from gcodesim.processes.edge_kernels import COLUMNS, FROM, LEVER_COSINES, MORE_SINES, SLICES, TO, lay_rows
 from gcodesim.processes.rim_kernels import SEEN, may_cross
 from gcodesim.tools import TOOLS
@@ -24,15 +25,15 @@ def test_rows_that_stay_are_those_that_would_be_laid():
     tool = TOOLS["bull_nose_end_mill"](number=1, diameter=6 * MM, flutes=2, length=60 * MM, corner_radius=1 * MM)
     kept = np.zeros((4 * SLICES, COLUMNS))
     for height in (3 * MM, 3 * MM, 0.4 * MM, 0.4 * MM, 0.7 * MM, 5 * MM, 3 * MM):
-        rows = laid(tool.edge, height, kept)
-        fresh = laid(tool.edge, height, np.zeros_like(kept))
+        rows = laid(edge_pieces(tool, None), height, kept)
+        fresh = laid(edge_pieces(tool, None), height, np.zeros_like(kept))
         assert np.array_equal(rows[:, SETTLED], fresh[:, SETTLED])
         rows[:, [FROM, TO, MORE_SINES, LEVER_COSINES]] = 7.0  # as contact leaves them
 
 
 def test_an_arc_is_laid_anew_where_another_piece_had_its_place():
     tool = TOOLS["bull_nose_end_mill"](number=1, diameter=6 * MM, flutes=2, length=60 * MM, corner_radius=1 * MM)
-    pieces, kept = tool.edge, np.zeros((4 * SLICES, COLUMNS))
+    pieces, kept = edge_pieces(tool, None), np.zeros((4 * SLICES, COLUMNS))
     lay, arc = as_python(lay_rows), 1
     for first in (arc, 2, arc, 0, arc):
         number = lay(pieces, first, 3 * MM, CELL, kept)

@@ -26,7 +26,7 @@ def mill(kind, flutes, helix):
 def elements(cutter, depth, count=300):
     """Radius, height, kappa and width (n,) of fine elements of the edge below `depth` [m]."""
     found = []
-    for arc, at_r, at_z, kappa0, kappa1, length, foot, head in cutter.edge:
+    for arc, at_r, at_z, kappa0, kappa1, length, foot, head, _ in cutter.edge:
         share = (np.arange(count) + 0.5) / count
         if arc > 0.0:
             end = kappa1 if head <= depth else math.acos(max((at_z - depth) / arc, -1.0))
