@@ -53,7 +53,7 @@ def dense(places):
 def radius_at(cutter, height):
     """Radius [m] of the cutter at heights (n,) [m] above its tip; -1 below it."""
     radius = np.full(height.shape, -1.0)
-    for arc, at_r, at_z, kappa0, _, _, foot, head in cutter.edge:
+    for arc, at_r, at_z, kappa0, _, _, foot, head, _ in cutter.edge:
         here = (height >= foot) & (height <= head) & (height >= 0.0)
         if arc > 0.0:
             own = at_r + np.sqrt(np.maximum(arc * arc - np.square(height - at_z), 0.0))
@@ -145,7 +145,7 @@ def loads(cutter, law, chip, tip, way, passes, top=0.0, angles=1440, count=40):
 def elements(cutter, depth, count):
     """Radius, height, kappa and width (n,) of fine elements of the edge below `depth` [m]."""
     found = []
-    for arc, at_r, at_z, kappa0, kappa1, length, foot, head in cutter.edge:
+    for arc, at_r, at_z, kappa0, kappa1, length, foot, head, _ in cutter.edge:
         share = (np.arange(count) + 0.5) / count
         if arc > 0.0:
             if foot >= depth:

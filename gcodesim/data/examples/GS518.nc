@@ -1,0 +1,10 @@
+(deeper than the arm bears)
+G21 G90 G17 G94
+T1 M6
+S8000 M3
+G0 G43 H1 X-8 Y32 Z5
+G0 Z-15
+G1 X38 F900
+G0 Z20
+M5
+M2
