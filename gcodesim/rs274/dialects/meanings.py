@@ -251,7 +251,10 @@ _PRINTER: Final = {
     "M600": "change the filament",
 }
 _NOT_OF_PRINTERS: Final = frozenset(_RS274) - frozenset(
-    ("G5", "G17", "G18", "G19", "G20", "G21", "G53", "G54", "G55", "G56", "G57", "G58", "G59", "G80", "G94", "M0", "M1")
+    (
+        "G5", "G17", "G18", "G19", "G20", "G21", "G53", "G54", "G55", "G56", "G57", "G58", "G59", "G80", "G94",
+        "M0", "M1", "M3", "M4", "M5",
+    )
 )
 
 LETTERS: Final = {
