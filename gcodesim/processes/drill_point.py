@@ -40,10 +40,12 @@ def edge_law(cutter: Cutter, law: Law) -> Law:
 
 def edge_pieces(cutter: Cutter, law: Law | None) -> Array:
     """The outline (k, 10) of an edge with the push of each piece [N/m], see `edge_kernels`: that of a chisel edge."""
+    from gcodesim.processes.edge_kernels import LENGTH, WEIGHT
+
     pieces = cutter.edge
     push = np.zeros(len(pieces))
     if cutter.chisel_length > 0.0 and law is not None:
-        push[0] = chisel_push(cutter, law) / (cutter.flutes * pieces[0, 5] * pieces[0, 8])
+        push[0] = chisel_push(cutter, law) / (cutter.flutes * pieces[0, LENGTH] * pieces[0, WEIGHT])
     return np.column_stack([pieces, push])
 
 
@@ -54,7 +56,9 @@ def chisel_push(cutter: Cutter, law: Law) -> float:
     (Machinery's Handbook, 31st ed. 2020, "Machining Power": 0.007 K d² J and M = 0.000025 K f^0.8 d^1.8 in N, N·m and
     mm).
     """
-    d, slope = cutter.point_diameter, cos(float(cutter.edge[0, 3]))
+    from gcodesim.processes.edge_kernels import KAPPA
+
+    d, slope = cutter.point_diameter, cos(float(cutter.edge[0, KAPPA]))
     feed = _USUAL_FEED * d
     factor, exponent, rub = law.packed[0].tolist()
     pressure = factor * power(feed / cutter.flutes * slope, exponent) + rub
