@@ -3,16 +3,32 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
 from gcodesim.checks.gap_kernels import Ints
-from gcodesim.checks.meeting_kernels import Forest
 from gcodesim.compiled import kernel
 from gcodesim.frames import Array
 
 DEEPEST = 64
 RUN = 8  # what is not longer is sorted by insertion
+
+
+class Forest(NamedTuple):
+    """Bodies as trees of balls: node i has its ball at `centre` (n, 3) with `radius` (n,) in the frame of its carrier.
+
+    All of it is also in a box about the same centre along the axes of that frame, with half sides `half` (n, 3): plates
+    and beams fill little of their balls. `left`, `right` are its parts; a leaf has -1 there and its convex body in
+    `convex`.
+    """
+
+    centre: Array
+    radius: Array
+    half: Array
+    left: Ints
+    right: Ints
+    convex: Ints
 
 
 @kernel

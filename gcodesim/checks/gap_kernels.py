@@ -28,6 +28,7 @@ MOST_FACES = 2 * MOST_POINTS
 LEAST = 1e-13  # what a unit vector must have across an axis to count as not along it
 FRONT = 1e-10  # [m] a corner this little in front of a face is in its plane
 GONE = -1  # in place of the first corner of a face that is no more
+ROUND_ENOUGH = 1e-3  # share of the product of three edges that the volume between them has where a polytope may begin
 FLAT = 1e-12  # [m] a polytope thinner than this has no inside
 
 Ints = NDArray[np.int64]
@@ -71,7 +72,7 @@ class GapRoom(NamedTuple):
 
 
 def gap_room() -> GapRoom:
-    """Room for `signed_gap`."""
+    """Room for `gap_between`."""
     return GapRoom(
         np.zeros((4, 3)),
         np.zeros(3),
@@ -148,11 +149,13 @@ def gap_along(a: int, b: int, bodies: Convexes, Xa: Array, Xb: Array, n: Array, 
 
 @kernel
 def approach(
-    a: int, b: int, bodies: Convexes, Xa: Array, Xb: Array, enough: float, room: GapRoom, n: Array
-) -> tuple[bool, float]:
+    a: int, b: int, bodies: Convexes, Xa: Array, Xb: Array, low: float, high: float, room: GapRoom, n: Array
+) -> tuple[bool, float, int]:
     """Whether two bodies, not grown, are known to be apart, and a bound of their distance [m], along `n` (3,).
 
-    The bound is good as that of `signed_gap`, or at least `enough`. Not apart is also what only just touches.
+    The bound is good as that of `gap_between`, or at least `high`; of a distance below `low` it may be any number from
+    the true one to `low`. Not apart is also what only just touches. The last is how many corners of the difference are
+    left in ``room.simplex``; if four, the origin is between them.
     """
     closest, simplex, weight, d, point = room.closest, room.simplex, room.weight, room.d, room.point
     size = 0.0
@@ -169,6 +172,8 @@ def approach(
         size = math.sqrt(closest[0] * closest[0] + closest[1] * closest[1] + closest[2] * closest[2])
         if count > 0 and size <= NEAR:
             break
+        if count > 0 and size < low:
+            return True, size, count
         for c in range(3):
             d[c] = -closest[c] / size
         bound = -of_difference(a, b, bodies, Xa, Xb, d, point, room.spare)
@@ -176,8 +181,8 @@ def approach(
             lower = bound
             for c in range(3):
                 n[c] = -d[c]
-        if lower > 0.0 and (lower >= enough or (count > 0 and size - lower <= NEAR + RELATIVE * size)):
-            return True, lower
+        if lower > 0.0 and (lower >= high or (count > 0 and size - lower <= NEAR + RELATIVE * size)):
+            return True, lower, count
         known = False
         for i in range(count):
             if simplex[i, 0] == point[0] and simplex[i, 1] == point[1] and simplex[i, 2] == point[2]:
@@ -189,64 +194,58 @@ def approach(
         count = shrink(simplex, count + 1, closest, weight)
         if count == 4:
             break
-    return lower > NEAR, lower
-
-
-@kernel
-def signed_gap(a: int, b: int, bodies: Convexes, Xa: Array, Xb: Array, enough: float, room: GapRoom, n: Array) -> float:
-    """The gap [m] between two bodies, or minus their depth: the least shift that parts them.
-
-    `n` (3,) is the unit vector from `b` to `a` along which this gap lies. It is never more than the true one, and
-    less by `NEAR` and `RELATIVE` at most. A gap of `enough` or more may come back as any smaller number from `enough`.
-    """
-    grown: float = bodies.grown[a] + bodies.grown[b]
-    is_apart, distance = approach(a, b, bodies, Xa, Xb, enough + grown, room, n)
-    if is_apart:
-        return distance - grown
-    return -_depth(a, b, bodies, Xa, Xb, -math.inf, math.inf, room, n) - grown
+    return lower > NEAR, lower, count
 
 
 @kernel
 def gap_between(
     a: int, b: int, bodies: Convexes, Xa: Array, Xb: Array, low: float, high: float, room: GapRoom, n: Array
 ) -> float:
-    """`signed_gap`, worked out no further than until it is known to be `low` at least, and whether it is above `high`.
+    """The gap [m] between two bodies, or minus their depth, the least shift that parts them, where it is in a range.
 
-    Then it is some number of which both are true. Of a gap below `low` it is the gap, with its direction in `n` (3,).
+    `n` (3,) is the unit vector from `b` to `a` along which this gap lies. It is never more than the true one, and
+    less by `NEAR` and `RELATIVE` at most. Of a gap of `high` or more it may be any smaller number from `high` on, and
+    the gap along `n` is no less than that; of one below `low` any greater number below `low`, and `n` says nothing.
     """
     grown: float = bodies.grown[a] + bodies.grown[b]
-    is_apart, distance = approach(a, b, bodies, Xa, Xb, math.inf, room, n)
+    is_apart, distance, count = approach(a, b, bodies, Xa, Xb, low + grown, high + grown, room, n)
     if is_apart:
         return distance - grown
-    return -_depth(a, b, bodies, Xa, Xb, -low - grown, -high - grown, room, n) - grown
+    if -grown < low:
+        return -grown
+    is_around = count == 4 and _take_simplex(room)
+    return -_depth(a, b, bodies, Xa, Xb, (-high - grown, -low - grown), is_around, room, n) - grown
 
 
 @kernel
-def is_nearer(a: int, b: int, bodies: Convexes, Xa: Array, Xb: Array, limit: float, room: GapRoom, n: Array) -> bool:
-    """Whether the gap between two bodies is less than `limit` [m]; their depth is worked out only where it counts."""
-    grown: float = bodies.grown[a] + bodies.grown[b]
-    is_apart, distance = approach(a, b, bodies, Xa, Xb, limit + grown, room, n)
-    if is_apart:
-        return distance - grown < limit
-    if limit > -grown:
-        return True
-    return -_depth(a, b, bodies, Xa, Xb, -math.inf, math.inf, room, n) - grown < limit
+def signed_gap(a: int, b: int, bodies: Convexes, Xa: Array, Xb: Array, enough: float, room: GapRoom, n: Array) -> float:
+    """`gap_between` of a gap that may be as small as it will, and is of no interest from `enough` [m] on."""
+    return gap_between(a, b, bodies, Xa, Xb, -math.inf, enough, room, n)
 
 
 @kernel
 def _depth(
-    a: int, b: int, bodies: Convexes, Xa: Array, Xb: Array, shallow: float, asked: float, room: GapRoom, n: Array
+    a: int,
+    b: int,
+    bodies: Convexes,
+    Xa: Array,
+    Xb: Array,
+    limits: tuple[float, float],
+    is_around: bool,
+    room: GapRoom,
+    n: Array,
 ) -> float:
     """How far [m] the origin is in the difference of two bodies; `n` becomes the way out for `a`.
 
-    Where it is `shallow` at most, some greater number may come back for it that is so, too, and is `asked` or more only
-    if the depth is.
+    Where it is the first of two limits at most, some greater number may come back for it that is so, too; where it is
+    more than the second, some smaller number that is. `is_around`: ``room.corners`` begins with corners around it.
 
     A polytope inside the difference grows where its surface comes nearest to the origin. It need not hold the origin
     from the start: a face that has it in front is the nearest of all.
     """
     corners, faces, planes = room.corners, room.faces, room.planes
-    count = _first_corners(a, b, bodies, Xa, Xb, room)
+    shallow, deep = limits
+    count = 4 if is_around else _first_corners(a, b, bodies, Xa, Xb, room)
     if count < 4:
         return 0.0
     for f in range(4):
@@ -263,6 +262,9 @@ def _depth(
         for f in range(1, used):
             if planes[f, 3] < planes[best, 3]:
                 best = f
+        inside: float = planes[best, 3]
+        if inside > deep:
+            return inside
         for c in range(3):
             room.d[c] = planes[best, c]
         reach = of_difference(a, b, bodies, Xa, Xb, room.d, room.point, room.spare)
@@ -270,10 +272,7 @@ def _depth(
             least = reach
             for c in range(3):
                 n[c] = -room.d[c]
-        inside = planes[best, 3]
-        if least - inside <= NEAR + RELATIVE * abs(least) or count >= MOST_POINTS:
-            break
-        if least <= shallow and (inside >= asked or least < asked):
+        if least <= shallow or least - inside <= NEAR + RELATIVE * abs(least) or count >= MOST_POINTS:
             break
         for c in range(3):
             corners[count, c] = room.point[c]
@@ -283,6 +282,22 @@ def _depth(
         if used == 0:
             break
     return least
+
+
+@kernel
+def _take_simplex(room: GapRoom) -> bool:
+    """Take the corners around the origin that the search for a distance has left, unless they are almost flat."""
+    corners, simplex = room.corners, room.simplex
+    for i in range(4):
+        for c in range(3):
+            corners[i, c] = simplex[i, c]
+    u0, u1, u2 = simplex[1, 0] - simplex[0, 0], simplex[1, 1] - simplex[0, 1], simplex[1, 2] - simplex[0, 2]
+    v0, v1, v2 = simplex[2, 0] - simplex[0, 0], simplex[2, 1] - simplex[0, 1], simplex[2, 2] - simplex[0, 2]
+    w0, w1, w2 = simplex[3, 0] - simplex[0, 0], simplex[3, 1] - simplex[0, 1], simplex[3, 2] - simplex[0, 2]
+    volume = (u1 * v2 - u2 * v1) * w0 + (u2 * v0 - u0 * v2) * w1 + (u0 * v1 - u1 * v0) * w2
+    u, v, w = u0 * u0 + u1 * u1 + u2 * u2, v0 * v0 + v1 * v1 + v2 * v2, w0 * w0 + w1 * w1 + w2 * w2
+    is_round: bool = abs(volume) > ROUND_ENOUGH * math.sqrt(u * v * w)
+    return is_round
 
 
 @kernel

@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.arithmetic.matrices import inverse_pose, multiplied, norms
-from gcodesim.checks.gap_kernels import Convexes, GapRoom
-from gcodesim.checks.meeting_kernels import Forest, Walk
+from gcodesim.checks.gap_kernels import RELATIVE, Convexes
 from gcodesim.checks.rigid import RigidBody, Woods
-from gcodesim.checks.way_kernels import Couple, JointTree, WayColumns, WayRoom, way_room
+from gcodesim.checks.search_kernels import PairSearch
+from gcodesim.checks.way_kernels import Couple, JointTree, WayColumns, way_room
 from gcodesim.frames import Array
 from gcodesim.frozen import frozen
 from gcodesim.kinematics.chain import Tree
@@ -21,8 +21,14 @@ from gcodesim.kinematics.chain import Tree
 TOUCH: Final = 1e-6
 """Bodies that enter each other by less than this [m] only touch."""
 
-SearchScene = tuple[Couple, JointTree, WayColumns, Forest, Convexes]
-Rooms = tuple[WayRoom, GapRoom]
+EXACT: Final = 1e-6
+"""By how much [m] the gap of a meeting may be above the least on the way."""
+
+SHARE: Final = 2e-4
+"""The same for the least gap of all pairs, as a share of itself."""
+
+HELD: Final = 256
+"""Nodes of a way at which the frames of joints are kept."""
 
 MOST: Final = 4096
 """Meetings that one search finds at most."""
@@ -133,23 +139,24 @@ class MovingBodies:
     def search(self, way: JointWay, *, level: float = -TOUCH) -> list[Meeting]:
         """Every time that two of the bodies come nearer than `level` [m], in the order of the pairs and of the way.
 
-        Nothing is missed that goes deeper than the level by more than what the way may leave its straight line.
+        Nothing is missed that goes deeper than the level by more than what the way may leave its straight line. The gap
+        of a meeting is the least of it on the straight way, to `EXACT` and a share of 1e-6 of itself.
         """
-        from gcodesim.checks.meeting_kernels import Meetings, beginning, meet
+        from gcodesim.checks.least_kernels import least_room
+        from gcodesim.checks.meeting_kernels import complete, meet, meetings_room, walk_room
 
         if not len(self.pairs) or not len(way.bend):
             return []
-        found = Meetings(np.zeros((MOST, 6), dtype=np.int64), np.zeros((MOST, 3)), np.zeros(1, dtype=np.int64))
-        scene, walk, rooms = self._room(way)
-        meet(self._roots, level, 0.0, scene, walk, rooms, found)
+        found = meetings_room(MOST)
+        search = self._search(way)
+        meet(level, search, walk_room(len(self.pairs)), found)
+        complete(level, search, least_room(EXACT, RELATIVE), found)
         meetings = self._inside_at_start(way) if level <= 0.0 else []
         inside = {(meeting.first, meeting.second) for meeting in meetings}
         count = int(found.used[0])
-        for (p, k, last, deepest, a, b), (share, worst, gap) in zip(
+        for (p, k, last, deepest, _, _), (share, _, worst, gap) in zip(
             found.rows[:count].tolist(), found.figures[:count].tolist(), strict=True
         ):
-            if level <= 0.0 and share > 0.0:
-                share = float(beginning(p, a, b, (k, share), 0.0, scene, rooms))
             first, second = self.pairs[p].tolist()
             if k == 0 and (first, second) in inside:
                 continue
@@ -172,42 +179,46 @@ class MovingBodies:
 
         if not len(self.pairs) or not len(q):
             return np.full(len(q), -1, dtype=np.int64)
-        scene, walk, rooms = self._room(JointWay(np.ascontiguousarray(q, dtype=float), np.zeros((0, q.shape[1]))))
-        found: NDArray[np.int64] = touching(self._roots, -TOUCH, scene, walk, rooms)
+        search = self._search(JointWay(np.ascontiguousarray(q, dtype=float), np.zeros((0, q.shape[1]))))
+        found: NDArray[np.int64] = touching(-TOUCH, search)
         return found
 
-    def least_gap(self, way: JointWay, *, tolerance: float = 5e-6) -> float:
+    def least_gap(self, way: JointWay, *, tolerance: float = EXACT) -> float:
         """The least gap [m] of all pairs on the way, inf without pairs; where bodies meet, some number not above 0.
 
         It is above the true one by `tolerance` and a share of 2e-4 at most.
         """
-        from gcodesim.checks.meeting_kernels import Meetings, meet
+        from gcodesim.checks.least_kernels import least_room, lower_all
 
         if not len(self.pairs):
             return float("inf")
         if self._inside_at_start(way):
             return 0.0
-        scene, walk, rooms = self._room(way)
-        walk.best[0] = np.inf
-        none = Meetings(np.zeros((1, 6), dtype=np.int64), np.zeros((1, 3)), np.zeros(1, dtype=np.int64))
-        meet(self._roots, 0.0, tolerance, scene, walk, rooms, none)
-        return float(walk.best[0])
+        least = least_room(tolerance, SHARE)
+        lower_all(self._search(way), least)
+        return float(least.gap[0])
 
-    @property
-    def _roots(self) -> NDArray[np.int64]:
-        return np.ascontiguousarray(self._woods.root[self.pairs])
-
-    def _room(self, way: JointWay) -> tuple[SearchScene, Walk, Rooms]:
+    def _search(self, way: JointWay) -> PairSearch:
         """What the kernels take."""
+        from gcodesim.checks.descent_kernels import descent_room
         from gcodesim.checks.gap_kernels import gap_room
-        from gcodesim.checks.meeting_kernels import walk_room
 
-        woods = self._woods
+        woods, joints, nodes = self._woods, way.q.shape[1], min(len(way.q), HELD)
         couple = self.couple(np.abs(way.q).max(axis=0))
-        columns = WayColumns(np.ascontiguousarray(way.q), np.ascontiguousarray(way.bend))
-        scene = (couple, self.chain, columns, woods.forest, woods.convexes)
-        joints = way.q.shape[1]
-        return scene, walk_room(len(self.pairs), joints, woods.deepest), (way_room(joints), gap_room())
+        return PairSearch(
+            np.ascontiguousarray(woods.root[self.pairs]),
+            couple,
+            self.chain,
+            WayColumns(np.ascontiguousarray(way.q), np.ascontiguousarray(way.bend)),
+            woods.forest,
+            woods.convexes,
+            descent_room(woods.deepest),
+            np.full(nodes, -1, dtype=np.int64),
+            np.zeros((nodes, joints, 4, 4)),
+            np.zeros(joints),
+            way_room(joints),
+            gap_room(),
+        )
 
     def _inside_at_start(self, way: JointWay) -> list[Meeting]:
         """Pairs of which one body is inside a closed mesh of the other at the start, without touching its surface."""

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from gcodesim.arithmetic.distinct import distinct, row_numbers
 from gcodesim.arithmetic.elementary import atan2
 from gcodesim.arithmetic.matrices import dots, norms
+from gcodesim.checks.forest_kernels import Forest
 from gcodesim.checks.gap_kernels import Convexes
-from gcodesim.checks.meeting_kernels import Forest
 from gcodesim.frames import Array, Pose
 from gcodesim.frozen import frozen
 from gcodesim.solids import Box, Hulls, Mesh, Placed, Sphere, Triangles, outline_of

@@ -68,7 +68,7 @@ class WayRoom(NamedTuple):
 
 
 def way_room(joints: int) -> WayRoom:
-    """Room for `descend`."""
+    """Room for `advance`."""
     return WayRoom(
         np.zeros(joints),
         np.zeros((joints, 4, 4)),
@@ -132,17 +132,21 @@ def acceleration_of(p: int, k: int, couple: Couple, chain: JointTree, way: WayCo
 
     A joint turned by q_i that carries one turned by q_k: d²x/dq_i dq_k is not longer than the distance from joint k.
     """
-    total = 0.0
+    total, turned_first, turned_second = 0.0, 0.0, 0.0
     for j in range(way.q.shape[1]):
         side = couple.side[p, j]
         step = abs(way.q[k + 1, j] - way.q[k, j])
         if side == 0 or step == 0.0:
             continue
+        inner = turned_first if side == 1 else turned_second
         if chain.prismatic[j] == 0:
-            total += step * step * couple.reach[p, j]
-        for i in range(j):
-            if couple.side[p, i] == side and chain.prismatic[i] == 0:
-                total += 2.0 * step * abs(way.q[k + 1, i] - way.q[k, i]) * couple.reach[p, j]
+            total += step * couple.reach[p, j] * (step + 2.0 * inner)
+            if side == 1:
+                turned_first += step
+            else:
+                turned_second += step
+        else:
+            total += 2.0 * step * couple.reach[p, j] * inner
     return total
 
 
@@ -167,7 +171,7 @@ def free_share(gap: float, other: float, bend: float, step: float) -> float:
 
 
 @kernel
-def descend(
+def advance(
     p: int,
     a: int,
     b: int,
