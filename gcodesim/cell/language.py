@@ -110,6 +110,7 @@ def settings_of_cell(
         columns=columns,
         leans=leans,
         length_leans=bool(leans) and _leans_along(cell, channel),
+        travel=_travel(cell.machine_of(channel)),
         limits={} if own.firmware is None else own.firmware.limits,
         lane="grammar" if columns or leans else "auto",
         options={
@@ -183,6 +184,11 @@ def _reference_points(machine: object) -> dict[int, float]:
         for axis in getattr(machine, "axes", ())
         if axis.letter in AXIS_PLACES
     }
+
+
+def _travel(mover: MachineTool | Robot) -> dict[str, tuple[float, float]]:
+    """The travel of the axes that go straight."""
+    return {axis.letter: (axis.lower, axis.upper) for axis in mover.axes if axis.letter in AXIS_PLACES}
 
 
 def _path_control(cell: Cell, channel: str) -> str:

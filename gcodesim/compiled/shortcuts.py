@@ -13,6 +13,9 @@ from functools import cache
 from types import SimpleNamespace
 from typing import Any, Final
 
+from gcodesim.compiled import passes
+from gcodesim.compiled.passes import Shortcut
+
 
 @contextmanager
 def taken() -> Iterator[None]:
@@ -25,10 +28,6 @@ def taken() -> Iterator[None]:
     finally:
         for owner, name, before in replaced:
             setattr(owner, name, before)
-
-
-Shortcut = tuple[Any, str, Any]
-"""What is replaced: owner, name, and by what."""
 
 
 @cache
@@ -191,6 +190,24 @@ def _sizes() -> Iterator[Shortcut]:
         yield Type, name, once(name)
 
 
+def _names() -> Iterator[Shortcut]:
+    """Names of LLVM's values, of which most are new when they are asked for."""
+    from llvmlite.ir._utils import DuplicatedNameError, NameScope
+
+    NameScope.deduplicate  # noqa: B018  AttributeError where llvmlite has changed
+
+    def register(self: Any, name: str, deduplicate: bool = False) -> str:
+        used = self._useset
+        if name in used:
+            if not deduplicate:
+                raise DuplicatedNameError(name)
+            name = self.deduplicate(name)
+        used.add(name)
+        return name
+
+    yield NameScope, "register", register
+
+
 def _location() -> Iterator[Shortcut]:
     """Whether an implementation of numba's wants to know the line of a program."""
     from numba.core import base
@@ -265,4 +282,6 @@ _ALL: Final[tuple[Callable[[], Iterator[Shortcut]], ...]] = (
     _registries,
     _silence,
     _values,
+    _names,
+    *passes.ALL,
 )

@@ -19,7 +19,16 @@ from typing import Final, NamedTuple
 ROOT: Final = Path(__file__).parents[1]
 _PACKAGE: Final = f"{ROOT.name}."
 _THIS: Final = f"{ROOT.name}.compiled."
-WAY: Final = ("arguments.py", "compiling.py", "entry.py", "lowering.py", "memory.py", "shortcuts.py", "target.py")
+WAY: Final = (
+    "arguments.py",
+    "compiling.py",
+    "entry.py",
+    "lowering.py",
+    "memory.py",
+    "passes.py",
+    "shortcuts.py",
+    "target.py",
+)
 """Files of this package on which machine code depends."""
 _IMPORT: Final = re.compile(
     rb"^[ \t]*(?:from[ \t]+([\w.]+)[ \t]+import[ \t]+(\([^)]*\)|.*)|import[ \t]+([\w.]+))", re.MULTILINE

@@ -371,7 +371,7 @@ class FlowControl:
         control = self.control
         arguments = [loose(node, control.parameters) for node in flow.operands]
         file, first = self._find(label, index, by_m98=False)
-        if self._was_read(file, first):
+        if self.was_read(file, first):
             return
         self._enter_with_own_parameters(file, first, label, index)
         control.parameters.set_first((*arguments, *NO_ARGUMENTS[len(arguments) :]))
@@ -396,7 +396,7 @@ class FlowControl:
         self.control.parameters.locals = frame.named
         self._leave(frame)
 
-    def _was_read(self, file: ProgramFile, first: int) -> bool:
+    def was_read(self, file: ProgramFile, first: int) -> bool:
         """Whether a subroutine need not be called: after a fault each is read once, for its own faults."""
         if not self.failed:
             return False
@@ -406,6 +406,10 @@ class FlowControl:
         return known
 
     def _enter(self, file: ProgramFile, first: int, label: str, index: int) -> None:
+        self.enter(Frame(file, first, name=label, first=first), show(label), index)
+
+    def enter(self, frame: Frame, name: str, index: int) -> None:
+        """Go into what line `index` calls by `name`."""
         if len(self.frames) >= MOST_LEVELS:
             raise Stopped(
                 "GS132",
@@ -413,10 +417,17 @@ class FlowControl:
                 hint="a subroutine that calls itself needs an `if` that ends it",
                 index=self.frames[0].at - 1,  # a control falls back to the main program here
             )
-        caller = Caller(self.frame.file.name, index + 1, show(label))
-        self.frames.append(Frame(file, first, name=label, first=first, callers=(*self.frame.callers, caller)))
+        caller = Caller(self.frame.file.name, index + 1, name)
+        frame.callers = (*self.frame.callers, caller)
+        self.frames.append(frame)
         self.control.sub_level = len(self.frames) - 1
         self.control.frames = self.frames
+
+    def leave_file(self) -> Frame:
+        """Leave what was called, and go on behind the call."""
+        frame = self.frames.pop()
+        self._leave(frame)
+        return frame
 
     def _find(self, label: str, index: int, *, by_m98: bool) -> tuple[ProgramFile, int]:
         """File and line index of a subroutine or program: known, in a file of its name, or further down.
@@ -466,14 +477,20 @@ class FlowControl:
         if not label or any(char in label for char in "/\\:\0") or label.startswith("."):
             return None
         name = f"{label}.ngc"
-        if name in self.files:
-            return self.files[name]
+        if name not in self.files:
+            source = self.source_of(name)
+            if source is None:
+                return None
+            self.files[name] = ProgramFile(source, self.reader)
+        return self.files[name]
+
+    def source_of(self, name: str) -> SourceText | None:
+        """The text of file `name`, a path inside one of the folders; None where none of them has it."""
         for folder in self.folders:
             path = folder / name
             try:
                 if path.is_file() and self._is_within(path):
-                    self.files[name] = ProgramFile(SourceText.read(path), self.reader)
-                    return self.files[name]
+                    return SourceText.read(path, name)
             except OSError:
                 continue
         return None
@@ -502,7 +519,7 @@ class FlowControl:
             self.frame.by_m98 = True
             return
         file, first = self._find(label, index, by_m98=True)
-        if self._was_read(file, first):
+        if self.was_read(file, first):
             return
         self._enter(file, first + 1, label, index)
         self.frame.by_m98 = True
@@ -519,8 +536,7 @@ class FlowControl:
         if frame.rounds > 0 and not self.failed:
             self._back_to(frame.first + 1)
             return
-        self.frames.pop()
-        self._leave(frame)
+        self.leave_file()
 
 
 def show(label: str) -> str:

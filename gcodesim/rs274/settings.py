@@ -46,6 +46,7 @@ class Settings:
     go together (G28, G30) as long as no home was stored.
     `options` are settings that one kind of control alone has, as its dialect declares them
     (`Dialect.options`); those of other dialects are passed over.
+    `travel` says from where to where X, Y and Z of the machine go [m], as its letters count.
     `limits` are those of a printer's planner that differ from the dialect's, by the names of `canon.MotionLimits`.
     `tool_point` says how tip and axes belong together; None where no rotary axis of the machine has a place.
     `tip_first`: where M-codes switch the control of the tip, it is on before the first block.
@@ -84,6 +85,7 @@ class Settings:
     path_control: str = "G64"
     startup: SourceText | None = None
     options: Mapping[str, str] = field(default_factory=dict)
+    travel: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     limits: Mapping[str, Any] = field(default_factory=dict)
     tool_point: ToolPointLaw | None = None
     tip_first: bool = False

@@ -11,11 +11,13 @@ from typing import Final
 from gcodesim.cell import LoadedCell
 from gcodesim.diagnostics import SourceText
 from gcodesim.frozen import frozen
+from gcodesim.rs274.marlin.duet.macro_call import files_of
 from gcodesim.scale.bundle import FileBundle
 
-_SUBPROGRAMS: Final = (".ngc", ".nc", ".gcode", ".tap", ".cnc", ".mpf", ".gc", ".txt", "")
+_SUBPROGRAMS: Final = (".ngc", ".nc", ".gcode", ".tap", ".cnc", ".mpf", ".gc", ".g", ".txt", "")
 _LARGEST: Final = 5_000_000  # bytes of a file that may be a subprogram
-_COMPUTED: Final = re.compile(r"(?:o|p)(?:\[|#)")
+_COMPUTED: Final = re.compile(r"(?:o|p)(?:\[|#|\{)")
+_MACRO: Final = re.compile(r'\bM0*98[ \t]*P[ \t]*"([^"]+)"', re.IGNORECASE)
 _BLANK: Final = re.compile(r"\s+")
 
 
@@ -53,25 +55,34 @@ def subprograms(program: Path, folders: Sequence[Path]) -> Iterator[Path]:
 
     A file counts if its name stands anywhere in a text that counts; where numbers of subprograms are computed, all do.
     """
+    within = tuple(dict.fromkeys((*folders, program.parent)))
     found: dict[Path, str] = {}
-    for folder in dict.fromkeys((*folders, program.parent)):
+    for folder in within:
         try:
             listed = sorted(folder.iterdir())
         except OSError:
             continue
         for path in listed:
-            if path.suffix.lower() in _SUBPROGRAMS and path != program and path.is_file():
+            if path.suffix.lower() in _SUBPROGRAMS and path.is_file():
                 found.setdefault(path, _stem(path))
-    ahead = [program]
-    while ahead and found:
-        text = _squeezed(SourceText.read(ahead.pop()).text)
+    ahead, seen = [program], {program}
+    while ahead:
+        written = SourceText.read(ahead.pop()).text
+        text = _squeezed(written)
         everything = _COMPUTED.search(text) is not None
         called = [path for path, stem in found.items() if everything or (stem and stem in text)]
-        for path in called:
-            del found[path]
-            if path.stat().st_size <= _LARGEST:
+        for path in (*called, *_macros(written, within)):
+            if path not in seen and path.stat().st_size <= _LARGEST:
+                seen.add(path)
                 yield path
                 ahead.append(path)
+
+
+def _macros(text: str, folders: Iterable[Path]) -> Iterator[Path]:
+    """The files of macros that a program of RepRapFirmware names, also in folders below."""
+    for name in _MACRO.findall(text):
+        ways = [folder / way for folder in folders for way in files_of(name)]
+        yield from (path for path in ways if path.is_file())
 
 
 def gathered(paths: Iterable[Path], *, root: Path | None = None) -> Inputs:

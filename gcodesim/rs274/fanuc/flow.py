@@ -149,7 +149,7 @@ class FanucFlow(FlowControl):
             return
         calls = self.running.calls
         file, part = self._find_program(number)
-        if self._was_read(file, part.first):
+        if self.was_read(file, part.first):
             return
         self._push(file, part, number, rounds, index).calls = calls
 
@@ -217,7 +217,7 @@ class FanucFlow(FlowControl):
         if sum(isinstance(frame, FanucFrame) and frame.macro for frame in self.frames) >= MOST_MACRO_LEVELS:
             raise Stopped("GS132", f"macros are called more than {MOST_MACRO_LEVELS} deep")
         file, part = self._find_program(number)
-        if self._was_read(file, part.first):
+        if self.was_read(file, part.first):
             return
         frame = self._push(file, part, number, rounds, index)
         frame.calls = calls

@@ -97,7 +97,10 @@ def _retraction(do: PrinterExecutor, line: MarlinLine) -> None:
 
 
 def _recovery(do: PrinterExecutor, line: MarlinLine) -> None:
-    """M208: S further length, F feed of G11."""
+    """M208: S further length, F feed of G11. In RepRapFirmware, how far the axes go."""
+    if do.dialect.name == "reprapfirmware":
+        do.skip(line.name, line)
+        return
     more, back = do.printer.recovery
     mm = do.control.state.unit / MM
     do.printer.recovery = (
@@ -185,10 +188,17 @@ def _end(do: PrinterExecutor, line: MarlinLine) -> None:
     do.control.finished = True
 
 
+def _return(do: PrinterExecutor, line: MarlinLine) -> None:
+    """M99: a macro ends."""
+    if not do.leaves_macro():
+        do.skip(line.name, line)
+
+
 CODES: Final[dict[str, Act]] = {
     "M0": _stop,
     "M1": _stop,
     "M2": _end,
+    "M99": _return,
     "M112": _end,
     "M3": _spindle(1),
     "M4": _spindle(-1),

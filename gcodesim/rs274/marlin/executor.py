@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Generator
 from dataclasses import replace
-from typing import Final
+from typing import Final, cast
 
 from gcodesim import canon
 from gcodesim.canon.batch import MoveBatch
@@ -18,14 +18,15 @@ from gcodesim.rs274.flow import FlowControl
 from gcodesim.rs274.lanes import WORTH_COMPILING, Lane, Lanes, LongLanes
 from gcodesim.rs274.marlin.codes import CODES
 from gcodesim.rs274.marlin.comments import take_comment
-from gcodesim.rs274.marlin.duet.blocks import IndentedBlocks
-from gcodesim.rs274.marlin.duet.commands import Interpreter, command_of, filled
-from gcodesim.rs274.marlin.duet.frame import BlockFrame
+from gcodesim.rs274.marlin.duet.commands import Interpreter, code_of, command_of, filled
+from gcodesim.rs274.marlin.duet.frame import BlockFrame, ModesOfCaller
+from gcodesim.rs274.marlin.duet.macro_call import MacroCall, call_of, files_of, is_call
+from gcodesim.rs274.marlin.duet.object_model import ObjectModel
 from gcodesim.rs274.marlin.halted_print import HaltedPrint
 from gcodesim.rs274.marlin.limits import first_limits, first_retraction
 from gcodesim.rs274.marlin.line import MarlinLine, line_of
 from gcodesim.rs274.marlin.macros import MACROS
-from gcodesim.rs274.marlin.moves import MOVES
+from gcodesim.rs274.marlin.moves import MOVES, change_unit
 from gcodesim.rs274.marlin.printer import Printer
 from gcodesim.rs274.marlin.printer_file import PrinterFile
 from gcodesim.rs274.marlin.said import remember
@@ -69,8 +70,6 @@ class PrinterExecutor(Executor):
         super().__init__(run)
         self.settings = self.control.settings = replace(run.settings, loaded_tool=0)
         self.watches = Watches((FallingFilament,))
-        limits, self.source_of_limits = first_limits(self.dialect.name, run.source, run.settings.limits)
-        self.printer = Printer(limits=limits)
         if (retraction := first_retraction(run.source)) is not None:
             length, feed = retraction
             self.printer.retraction, self.printer.recovery = (length, feed, 0.0), (0.0, feed)
@@ -95,11 +94,12 @@ class PrinterExecutor(Executor):
     def _parts(self, source: SourceText) -> tuple[ProgramFile, Control, FlowControl]:
         file, control = PrinterFile(source, self.reader), Control(self.settings, self.dialect)
         flow = FlowControl(control, file, self.reader, self.folders)
+        limits, self.source_of_limits = first_limits(self.dialect.name, source, self.settings.limits)
+        self.printer = Printer(limits=limits)
         self.meta: Interpreter | None = None
         if file.has_expressions:
-            blocks = IndentedBlocks(counts=b"iterations" in source.raw)
-            flow.frames = [BlockFrame(file, file.first, blocks=blocks)]
-            self.meta = Interpreter(blocks, control, flow, decides=file.decides)
+            self.meta = Interpreter(control, flow, ObjectModel(control, self.printer))
+            flow.frames = [self.meta.frame_of(file)]
         return file, control, flow
 
     def _initial_path_control(self) -> None:
@@ -117,15 +117,18 @@ class PrinterExecutor(Executor):
 
     def _line(self, file: ProgramFile, index: int, text: str) -> None:
         control = self.control
-        control.span = Span.of_line(file.name, index + 1, text)
+        control.span = Span.of_line(file.name, index + 1, text, self.flow.frame.callers)
         control.block_number = self.blocks
         try:
             if self.meta is not None:
-                if self.meta.decides and file is self.file and not self.meta.arrives(index, text):
+                if file is self.flow.frame.file and not self.meta.arrives(index, text):
                     return
                 if (command := command_of(text)) is not None:
                     self.meta.execute(command, index)
                     self._watch(control.out)
+                    return
+                if is_call(code := code_of(text)):
+                    self._call_macro(code, index, self.meta)
                     return
             line = line_of(text) if self.meta is None or "{" not in text else self._filled(text, index, self.meta)
             if line.note and not line.name and not line.values and take_comment(line.note, self.printer):
@@ -133,6 +136,8 @@ class PrinterExecutor(Executor):
             self._check_sum(line)
             if line.name or line.values:
                 self._do(line)
+                if self.meta is not None:
+                    self.meta.machine.hear(line)
             self._watch(control.out)
         except Fault as fault:
             control.out.clear()
@@ -157,14 +162,58 @@ class PrinterExecutor(Executor):
 
     def step(self) -> Generator[canon.Event | MoveBatch, Feedback, None]:
         frame = self.flow.frame
-        if self.meta is not None and self.meta.decides and frame.at >= len(frame.file.lines):
-            self.meta.ends()
+        if self.meta is not None and frame.at >= len(frame.file.lines) and self.meta.ends() and self.leaves_macro():
+            return
         yield from super().step()
 
     def _steps_in_lane(self) -> Generator[canon.Event | MoveBatch, Feedback, bool]:
-        if self.meta is not None and self.meta.decides and not self.meta.blocks.is_outside:
+        if self.meta is not None and not self.meta.is_outside:
             return False
         return (yield from super()._steps_in_lane())
+
+    def _call_macro(self, code: str, index: int, meta: Interpreter) -> None:
+        """M98: go on in the file that it names; told where there is none, as the printer does."""
+        control, printer = self.control, self.printer
+        meta.index = index
+        call = call_of(code, meta)
+        if call is None:
+            control.skip("M98 R")
+            return
+        file = self._macro_file(call)
+        if file is None:
+            control.skip(f'M98 P"{call.path}"' if call.is_fixed else "M98", call.place)
+            return
+        if self.flow.was_read(file, 0):
+            return
+        frame = meta.frame_of(file)
+        frame.given = call.given
+        frame.modes = ModesOfCaller(control.state.unit, control.state.incremental, printer.e_relative, printer.feed)
+        self.flow.enter(frame, file.name, index)
+
+    def _macro_file(self, call: MacroCall) -> PrinterFile | None:
+        """The file of a macro, which is beside the program; raises `Fault` where the name leads out of there."""
+        ways = list(files_of(call.path))
+        if not ways:
+            hint = "the folder of the program is the card: `0:/macros/clean.g` is `macros/clean.g` beside the program"
+            raise Fault("GS131", f"`{call.path}` is no file of the printer's card", at=call.place, hint=hint)
+        for way in ways:
+            known = self.flow.files.get(way)
+            if known is None and (source := self.flow.source_of(way)) is not None:
+                known = self.flow.files[way] = PrinterFile(source, self.reader)
+            if known is not None:
+                return cast(PrinterFile, known)
+        return None
+
+    def leaves_macro(self) -> bool:
+        """Go on behind the call of the macro that is running; false in the main program."""
+        if len(self.flow.frames) == 1:
+            return False
+        modes = cast(BlockFrame, self.flow.leave_file()).modes
+        assert modes is not None
+        change_unit(self, modes.unit)
+        self.control.state.incremental, self.printer.e_relative = modes.incremental, modes.e_relative
+        self.printer.feed = modes.feed
+        return True
 
     def _startup_blocks(self, text: str) -> list[str]:
         """A line for each command, since a printer's line has one; each stands where it stands in the cell."""

@@ -30,6 +30,7 @@ class MarlinLine:
     `values` has the number of each letter (None for the X of `G28 X`), `places` where it stands, `text` what
     stands behind a command that takes text, or where words end in an M code: at a file name, an address, a bare number,
     a letter for the second time; that begins at `stray`. `settings` has the `NAME=value` of a macro in capitals.
+    `code` is all before the comment.
     """
 
     name: str = ""
@@ -40,6 +41,7 @@ class MarlinLine:
     stray: ColumnRange | None = None
     settings: dict[str, str] = field(default_factory=dict)
     is_macro: bool = False
+    code: str = ""
     note: str = ""
     number: bool = False
     checksum: tuple[int, int] | None = None
@@ -56,6 +58,7 @@ def line_of(text: str) -> MarlinLine:
     """Read one line; a Fault where it is no line of such a program."""
     line = MarlinLine()
     code, _, line.note = text.partition(";")
+    line.code = code
     if found := _CHECKSUM.search(code):
         sent = code[: found.start() + found.group().index("*")]
         line.checksum = (int(found[1]), _checksum(sent))

@@ -228,14 +228,16 @@ def nothing(do: PrinterExecutor, line: MarlinLine) -> None:
     """A command that changes nothing that is simulated, or that is in force anyway."""
 
 
-def _unit(unit: float) -> Callable[[PrinterExecutor, MarlinLine], None]:
-    def act(do: PrinterExecutor, line: MarlinLine) -> None:
-        old = do.control.state.unit
-        do.control.change_unit(unit)
-        do.printer.e *= old / unit
-        do.printer.feed *= old / unit
+def change_unit(do: PrinterExecutor, unit: float) -> None:
+    """Count in `unit` [m] from here on; nothing moves."""
+    old = do.control.state.unit
+    do.control.change_unit(unit)
+    do.printer.e *= old / unit
+    do.printer.feed *= old / unit
 
-    return act
+
+def _unit(unit: float) -> Callable[[PrinterExecutor, MarlinLine], None]:
+    return lambda do, line: change_unit(do, unit)
 
 
 def _distance(incremental: bool) -> Callable[[PrinterExecutor, MarlinLine], None]:

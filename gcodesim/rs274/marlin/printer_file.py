@@ -14,12 +14,16 @@ from gcodesim.rs274.tokens import VERBATIM, Token
 
 
 class PrinterFile(ProgramFile):
-    """Each line stands for itself, unless the program `decides`."""
+    """Each line stands for itself, unless the program `decides`.
+
+    `counts_rounds`: it asks how often a loop was gone through.
+    """
 
     def __init__(self, source: SourceText, reader: Reader) -> None:
         super().__init__(source, reader)
         self.has_expressions = reader.dialect.name == "reprapfirmware"
         self.decides = self.has_expressions and has_commands(source.raw)
+        self.counts_rounds = b"iterations" in source.raw
 
     def heads_before(self, end: int) -> set[int]:
         """Comments of slicers, too: they count layers and have settings of the printer."""

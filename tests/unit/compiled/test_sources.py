@@ -17,6 +17,7 @@ FILES = {
     "compiled/entry.py": "1",
     "compiled/lowering.py": "1",
     "compiled/memory.py": "1",
+    "compiled/passes.py": "1",
     "compiled/shortcuts.py": "1",
     "compiled/target.py": "1",
     "compiled/known.py": "1",

@@ -174,9 +174,9 @@ def test_abort_ends_the_program(duet):
 
 
 def test_what_only_the_printer_knows_is_told_and_its_block_passed_over(duet):
-    done = duet("G92 X7\nif !move.axes[0].homed\n  G1 X{nobody.knows}\nG1 X2\nG1 X{heat.heaters[0].current}\n")
+    done = duet("G92 X7\nif sensors.gpIn[0].value = 1\n  G1 X{nobody.knows}\nG1 X2\nG1 X{heat.heaters[0].current}\n")
     assert [(f.code, f.span.line) for f in done.errors] == [("GS120", 2), ("GS120", 5)]
-    assert "`move.axes[0].homed` is a value of the printer" in done.errors[0].message
+    assert "`sensors.gpIn[0].value` is a value of the printer" in done.errors[0].message
     assert xs(duet("G92 X7\nG1 X{move.axes[0].userPosition + 1}\nG1 X{state.currentTool}\n")) == [
         1,
         -7,

@@ -52,3 +52,17 @@ def test_an_absolute_name_cannot_travel(tmp_path: Path):
     assert loaded.cell is not None
     with pytest.raises(CannotTravelError, match="absolute"):
         list(files_of_cell(loaded))
+
+
+def test_macros_of_a_printer_travel_with_the_folders_that_they_are_in(tmp_path: Path):
+    for name, text in {
+        "main.gcode": 'M98 P"0:/macros/park head"\nM98 P"../../away.g"\n',
+        "macros/park head": 'M98 P"wipe.g" S1\nM98 P"/macros/park head"\n',
+        "sys/wipe.g": "G1 X1\n",
+        "sys/other.g": "G1 X1\n",
+        "../away.g": "G1 X1\n",
+    }.items():
+        (tmp_path / "card" / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / "card" / name).write_text(text)
+    found = [path.relative_to(tmp_path / "card").as_posix() for path in subprograms(tmp_path / "card/main.gcode", [])]
+    assert found == ["macros/park head", "sys/wipe.g"]

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import io
 import os
+import subprocess
+import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 import trimesh
 
@@ -17,6 +21,27 @@ def test_reading_a_file(tmp_path: Path) -> None:
     trimesh.creation.box((30, 20, 10)).export(tmp_path / "block.stl")
     vertices, faces = read_mesh(tmp_path / "block.stl", MM)
     assert Mesh.of(vertices, faces).volume == pytest.approx(6000 * MM**3, rel=1e-6)
+
+
+def test_a_binary_stl_is_read_as_the_library_reads_it_and_without_it(tmp_path: Path) -> None:
+    trimesh.creation.icosphere(2, 0.7).export(tmp_path / "ball.stl")
+    raw = (tmp_path / "ball.stl").read_bytes()
+    theirs = trimesh.load(io.BytesIO(raw), file_type="stl", process=False)
+    code = (
+        "import sys\nfrom pathlib import Path\nfrom gcodesim.solids import read_mesh\n"
+        "points, faces = read_mesh(Path(sys.argv[1]))\nassert 'trimesh' not in sys.modules\n"
+        "sys.stdout.buffer.write(points[faces].tobytes())"
+    )
+    done = subprocess.run([sys.executable, "-c", code, str(tmp_path / "ball.stl")], capture_output=True, check=True)
+    assert done.stdout == np.asarray(theirs.triangles, dtype=np.float64).tobytes()
+
+
+@pytest.mark.parametrize("cut", [1, 50])
+def test_a_binary_stl_that_is_cut_off_is_refused(tmp_path: Path, cut: int) -> None:
+    trimesh.creation.box((30, 20, 10)).export(tmp_path / "block.stl")
+    (tmp_path / "block.stl").write_bytes((tmp_path / "block.stl").read_bytes()[:-cut])
+    with pytest.raises(MeshError, match=r"block\.stl"):
+        read_mesh(tmp_path / "block.stl")
 
 
 def test_a_mesh_opens_no_other_file(tmp_path: Path) -> None:

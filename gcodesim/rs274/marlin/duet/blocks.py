@@ -47,15 +47,15 @@ def indent_of(text: str) -> int:
 
 
 class IndentedBlocks:
-    """The blocks around the line at hand, the outermost first, and the variables of all."""
+    """The blocks of a file around the line at hand, the outermost first, and the variables of all files."""
 
-    def __init__(self, *, counts: bool) -> None:
-        """`counts`: the program asks how often a loop was gone through."""
+    def __init__(self, shared: dict[str, Value], *, counts: bool) -> None:
+        """`shared` are the variables of all files; `counts`: the file asks how often a loop was gone through."""
         self._counts = counts
         self._stack = [_Indented(0)]
         self._passed_over: int | None = None  # indentation of the command whose block is passed over
         self._skipped = BranchState.PLAIN  # of the command whose block was passed over just before the line at hand
-        self.globals: dict[str, Value] = {}
+        self.globals = shared
 
     @property
     def is_passing_over(self) -> bool:

@@ -3,19 +3,22 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
-from typing import TYPE_CHECKING, Final, NamedTuple
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Final, NamedTuple, cast
 
 from gcodesim import canon
 from gcodesim.rs274.block import ColumnRange
 from gcodesim.rs274.control import Control
 from gcodesim.rs274.fault import Fault
 from gcodesim.rs274.marlin.duet.blocks import IndentedBlocks, indent_of
+from gcodesim.rs274.marlin.duet.frame import BlockFrame
+from gcodesim.rs274.marlin.duet.object_model import ObjectModel
 from gcodesim.rs274.marlin.duet.syntax import Node, Value, parsed
 from gcodesim.rs274.marlin.duet.values import evaluate, number, shown, truth
 
 if TYPE_CHECKING:
     from gcodesim.rs274.flow import FlowControl
+    from gcodesim.rs274.marlin.printer_file import PrinterFile
 
 _COMMAND = re.compile(r"[ \t]*(if|elif|else|while|break|continue|var|global|set|echo|abort|skip)(?=[ \t{\"(;]|$)")
 _HAS_COMMAND = re.compile(rb"^[ \t]*(?:if|while|var|global|set|echo|abort)[ \t{\"(]", re.MULTILINE)
@@ -23,7 +26,6 @@ _TARGET = re.compile(r"[ \t]*(var|global)\.([A-Za-z][A-Za-z0-9_]*)[ \t]*")
 _NAME = re.compile(r"[ \t]*([A-Za-z][A-Za-z0-9_]*)[ \t]*=(?!=)")
 _WRITES = re.compile(r"[ \t]*>")
 _END = re.compile(r"[ \t]*$")
-_AXES: Final = "xyzuvwabc"
 
 
 class MetaCommand(NamedTuple):
@@ -59,17 +61,32 @@ def command_of(text: str) -> MetaCommand | None:
 
 
 class Interpreter:
-    """Carries out the commands of a program, and knows the values of its names.
+    """Carries out the commands of a program and of the macros that it calls, and knows the values of its names."""
 
-    `decides` says whether there are any commands: else lines mean the same wherever they begin.
-    """
-
-    def __init__(self, blocks: IndentedBlocks, control: Control, flow: FlowControl, *, decides: bool) -> None:
-        self.decides = decides
-        self.blocks = blocks
+    def __init__(self, control: Control, flow: FlowControl, machine: ObjectModel) -> None:
         self.control = control
         self.flow = flow
+        self.machine = machine
         self.index = 0
+        self._globals: dict[str, Value] = {}
+
+    def frame_of(self, file: PrinterFile) -> BlockFrame:
+        """A file about to be executed."""
+        return BlockFrame(file, file.first, blocks=IndentedBlocks(self._globals, counts=file.counts_rounds))
+
+    @property
+    def frame(self) -> BlockFrame:
+        """The file that is executed."""
+        return cast(BlockFrame, self.flow.frame)
+
+    @property
+    def blocks(self) -> IndentedBlocks:
+        return self.frame.blocks
+
+    @property
+    def is_outside(self) -> bool:
+        """Whether the line at hand is one of the main program, and no command decides about it."""
+        return len(self.flow.frames) == 1 and (not self.frame.file.decides or self.blocks.is_outside)
 
     def execute(self, command: MetaCommand, index: int) -> None:
         """Carry out the command of line `index`; raises `Fault`."""
@@ -83,13 +100,15 @@ class Interpreter:
 
     def arrives(self, index: int, text: str) -> bool:
         """Come to line `index`; false if it is passed over, or the program goes on elsewhere."""
+        if not self.frame.file.decides:
+            return True
         if not code_of(text).strip():
             return not self.blocks.is_passing_over
         return self._goes_on(self.blocks.arrive(indent_of(text), once=self.flow.failed))
 
     def ends(self) -> bool:
         """Come to the end of the file; false if a loop goes back from there."""
-        return self._goes_on(self.blocks.arrive(0, once=self.flow.failed))
+        return not self.frame.file.decides or self._goes_on(self.blocks.arrive(0, once=self.flow.failed))
 
     def _goes_on(self, back: int | None) -> bool:
         if back is not None and back >= 0:
@@ -126,36 +145,30 @@ class Interpreter:
             return self.index + 1
         if path == ("result",):
             return 0
-        if first in ("var", "global") and len(path) > 1:
-            known = self.blocks.known(str(first), str(path[1]))
+        if first in ("var", "global", "param") and len(path) > 1:
+            known = self._variables(str(first), str(path[1]))
             if known is None:
-                raise Fault("GS120", f"{first}.{path[1]} has no value", hint=f"`{first} {path[1]} = …` comes first")
+                raise Fault("GS120", f"{first}.{path[1]} has no value", hint=_GIVE[str(first)].format(path[1]))
             return _item(known[str(path[1])], path[2:], f"{first}.{path[1]}")
-        known_here = self._of_machine(path)
-        if known_here is None:
-            hint = "what only the printer knows cannot be asked here: write a value, or leave the condition out"
-            raise Fault("GS120", f"`{_written(path)}` is a value of the printer, which is not known here", hint=hint)
-        return known_here
+        return self.machine.value(path)
 
     def exists(self, path: tuple[str | int, ...]) -> bool:
-        if path[0] in ("var", "global") and len(path) == 2:
-            return self.blocks.known(str(path[0]), str(path[1])) is not None
-        if path[0] == "param":
-            return False  # the main program has none
-        self.value(path)
-        return True
+        if path[0] in ("var", "global", "param") and len(path) == 2:
+            return self._variables(str(path[0]), str(path[1])) is not None
+        return self.machine.exists(path)
 
-    def _of_machine(self, path: tuple[str | int, ...]) -> Value:
-        """Values of the object model that the program itself decides: positions and the tool; None for all others."""
-        control = self.control
-        if path == ("state", "currentTool"):
-            return -1 if control.state.tool is None else control.state.tool
-        if len(path) == 4 and path[:2] == ("move", "axes") and type(path[2]) is int and path[2] < 3:
-            if path[3] == "userPosition":
-                return float(control.state.current[path[2]])
-            if path[3] == "letter":
-                return _AXES[path[2]].upper()
-        return None
+    def _variables(self, scope: str, name: str) -> Mapping[str, Value] | None:
+        """The names of a scope among which `name` is; None where it has no value."""
+        if scope != "param":
+            return self.blocks.known(scope, name)
+        return self.frame.given if name in self.frame.given else None
+
+
+_GIVE: Final = {
+    "var": "`var {} = …` comes first",
+    "global": "`global {} = …` comes first",
+    "param": 'the call gives it: M98 P"file.g" {}1',
+}
 
 
 def _item(value: Value, indices: tuple[str | int, ...], name: str) -> Value:
@@ -173,10 +186,6 @@ def _with_item(value: Value, indices: list[int], new: Value, name: str) -> Value
     assert type(value) is tuple
     at = indices[0]
     return (*value[:at], _with_item(value[at], indices[1:], new, name), *value[at + 1 :])
-
-
-def _written(path: tuple[str | int, ...]) -> str:
-    return "".join(f"[{part}]" if type(part) is int else f".{part}" for part in path)[1:]
 
 
 # -- commands
