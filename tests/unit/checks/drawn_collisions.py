@@ -1,4 +1,4 @@
-"""Drawn cases of one body that moves past another, and the search for meetings on them."""
+"""Drawn cases of bodies that move past each other, and the search for meetings on them."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from gcodesim.checks.meetings import JointWay, MovingBodies
 from gcodesim.checks.rigid import RigidBody
 from gcodesim.checks.way_kernels import JointTree
 from gcodesim.frames import Pose, rotation_about
-from gcodesim.solids import Box, Cylinder, Hull, Hulls, Placed, Solid, Sphere
+from gcodesim.solids import Box, Cylinder, Hull, Hulls, Mesh, Placed, Solid, Sphere
 
 Array = NDArray[np.float64]
 Gap = Callable[[Array], float]
@@ -29,31 +29,50 @@ TREE = JointTree(
 
 @dataclass(frozen=True, kw_only=True)
 class Case:
-    """A body that moves straight in its six joints from `start` to `end` (6,), and one that stands."""
+    """Bodies of convex solids on joints `carriers` (-1: the base) of a tree that goes straight between q (n + 1, j).
 
-    moving: Solid
-    standing: Placed
-    start: Array
-    end: Array
+    Times count stretches. `dented` is a mesh whose triangles are the solids of the standing body.
+    """
 
-    def at(self, share: float) -> Array:
-        """X_WM (4, 4) of the moving body."""
-        q = self.start + share * (self.end - self.start)
-        X = np.eye(4)
-        X[:3, 3] = q[:3]
-        for axis, angle in zip(np.eye(3), q[3:], strict=True):
-            X[:3, :3] = X[:3, :3] @ rotation_about(axis, float(angle))
+    moving: tuple[Placed, ...]
+    standing: tuple[Placed, ...]
+    q: Array
+    tree: JointTree = TREE
+    carriers: tuple[int, int] = (5, -1)
+    dented: tuple[Placed, ...] = ()
+
+    def poses(self, times: Array) -> Array:
+        """X (k, 4, 4) of the moving body's carrier seen from that of the standing one."""
+        last = np.minimum(times.astype(int), len(self.q) - 2)
+        q = self.q[last] + (times - last)[:, None] * (self.q[last + 1] - self.q[last])
+        frames = {-1: np.tile(np.eye(4), (len(times), 1, 1))}
+        for j in range(q.shape[1]):
+            frames[j] = frames[int(self.tree.parent[j])] @ self.tree.before[j] @ self._motion(j, q[:, j])
+        return np.linalg.inv(frames[self.carriers[1]]) @ frames[self.carriers[0]]
+
+    def _motion(self, j: int, q: Array) -> Array:
+        axis, X = self.tree.axis[j], np.tile(np.eye(4), (len(q), 1, 1))
+        if self.tree.prismatic[j]:
+            X[:, :3, 3] = q[:, None] * axis
+            return X
+        K = np.array([[0.0, -axis[2], axis[1]], [axis[2], 0.0, -axis[0]], [-axis[1], axis[0], 0.0]])
+        X[:, :3, :3] += np.sin(q)[:, None, None] * K + (1.0 - np.cos(q))[:, None, None] * (K @ K)
         return X
+
+    def at(self, time: float) -> Array:
+        """One of `poses`."""
+        at: Array = self.poses(np.array([time]))[0]
+        return at
 
     @property
     def bodies(self) -> MovingBodies:
-        bodies = [RigidBody(name="moving", solids=(Placed(self.moving),), carrier=5)]
-        bodies.append(RigidBody(name="standing", solids=(self.standing,)))
-        return MovingBodies(TREE, bodies, np.array([[0, 1]]))
+        bodies = [RigidBody(name="moving", solids=self.moving, carrier=self.carriers[0])]
+        bodies.append(RigidBody(name="standing", solids=self.dented or self.standing, carrier=self.carriers[1]))
+        return MovingBodies(self.tree, bodies, np.array([[0, 1]]))
 
     @property
     def way(self) -> JointWay:
-        return JointWay.straight(np.array([self.start, self.end]))
+        return JointWay.straight(self.q)
 
 
 def _solid(rng: np.random.Generator, size: float) -> Solid:
@@ -100,7 +119,63 @@ def cases(count: int, seed: int) -> Iterator[Case]:
             end = start + np.append(rng.uniform(-0.3, 0.3, 3), rng.uniform(-2.0, 2.0, 3))
             if number % 4 == 1:
                 end[3:] = start[3:]
-        yield Case(moving=moving, standing=standing, start=start, end=end)
+        yield Case(moving=(Placed(moving),), standing=(standing,), q=np.array([start, end]))
+
+
+def chain_cases(count: int, seed: int) -> Iterator[Case]:
+    """Arms and machines: solids on a joint of a drawn tree, others on the base, on an earlier joint or on a branch.
+
+    A quarter of them meet a bracket, which is a mesh with a dent. The ways have up to four stretches.
+    """
+    rng = np.random.default_rng(seed)
+    for number in range(count):
+        n, branch = int(rng.integers(2, 7)), int(rng.integers(0, 3))
+        parent = np.concatenate([np.arange(-1, n - 1), np.where(np.arange(branch) == 0, -1, n - 1 + np.arange(branch))])
+        before = np.tile(np.eye(4), (len(parent), 1, 1))
+        for X in before:
+            X[:3, :3], X[:3, 3] = _turn(rng), rng.uniform(-0.05, 0.05, 3)
+        axis = np.array([_turn(rng)[0] for _ in parent])
+        prismatic = rng.integers(0, 4, len(parent)) == 0
+        tree = JointTree(parent.astype(np.int64), before, axis, prismatic.astype(np.int64))
+        size = np.where(prismatic, 0.1, 1.0)
+        nodes = 2 + int(rng.integers(4))
+        steps = rng.uniform(-0.5, 0.5, (nodes, len(parent)))
+        q = (rng.uniform(-1.5, 1.5, len(parent)) + np.cumsum(steps, axis=0)) * size
+        carriers = n - 1, len(parent) - 1 if branch else int(rng.integers(-1, n - 1))
+        moving, standing = (_some(rng, large) for large in (0.05, 0.08))
+        if number % 4 == 0:
+            bracket = Placed(_bracket(rng), Pose(rng.uniform(-0.05, 0.05, 3), _turn(rng)))
+            yield Case(moving=moving, standing=_faces(bracket), q=q, tree=tree, carriers=carriers, dented=(bracket,))
+        else:
+            yield Case(moving=moving, standing=standing, q=q, tree=tree, carriers=carriers)
+
+
+def _some(rng: np.random.Generator, size: float) -> tuple[Placed, ...]:
+    """One to three solids beside each other."""
+    count = 1 + int(rng.integers(3))
+    return tuple(Placed(_solid(rng, size), Pose(rng.uniform(-size, size, 3), _turn(rng))) for _ in range(count))
+
+
+def _bracket(rng: np.random.Generator) -> Mesh:
+    """An L of drawn size, as a closed mesh."""
+    outline = [(0, 0), (4, 0), (4, 1), (1, 1), (1, 4), (0, 4)]
+    points = np.array([(x, y, z) for z in (0.0, 1.0) for x, y in outline]) * rng.uniform(0.015, 0.04, 3)
+    low = [(0, 2, 1), (0, 3, 2), (0, 5, 3), (5, 4, 3)]
+    faces = [*low, *((a + 6, c + 6, b + 6) for a, b, c in low)]
+    for i in range(6):
+        j = (i + 1) % 6
+        faces += [(i, j, j + 6), (i, j + 6, i + 6)]
+    return Mesh.of(points, np.array(faces))
+
+
+def _faces(mesh: Placed) -> tuple[Placed, ...]:
+    """The triangles of a mesh as convex solids without an inside."""
+    assert isinstance(mesh.solid, Mesh)
+    skin = mesh.solid.triangles
+    return tuple(
+        Placed(Hulls(hulls=(Hull(corners=corners, normals=np.zeros((0, 3))),)), mesh.X)
+        for corners in skin.points[skin.faces]
+    )
 
 
 def _turn(rng: np.random.Generator) -> Array:
@@ -110,6 +185,11 @@ def _turn(rng: np.random.Generator) -> Array:
 
 DIRECTIONS = 4000
 REFINED = 8
+FAR = 0.02  # [m] bodies are this far apart along a direction: they are in each other along none
+ASIDE = np.random.default_rng(1).normal(size=(12, 3))
+GOLDEN_ROUNDS = 16
+JUDGED = 2e-5  # [m] to which `depth_of` is believed at one place,
+BOUND = 5e-6  # and by which it may find bodies deeper than is said: the search's own 1e-6, and rounding of the judge
 
 
 def extent_along(solid: Solid, n: Array) -> Array:
@@ -131,23 +211,33 @@ def depth_of(case: Case, at: Array) -> float:
 
     Two convex bodies are parted by a shift along n of h(n), what both reach towards each other along n; the depth is
     the least h. It is sought among many directions, and from the best of them by steps aside that become shorter. So
-    no engine's algorithm is in it, and it can only be found too deep, not too shallow.
+    no engine's algorithm is in it, and it can only be found too deep, not too shallow. Of several couples of convex
+    bodies the deepest counts.
     """
-    X = case.standing.X
+    return max(_depth_of_couple(one, other, at) for one in case.moving for other in case.standing)
+
+
+def _depth_of_couple(one: Placed, other: Placed, at: Array) -> float:
+    R, p = at[:3, :3] @ one.X.R, at[:3, :3] @ one.X.p + at[:3, 3]
+    X = other.X
 
     def both(n: Array) -> Array:
-        own = extent_along(case.moving, n @ at[:3, :3]) + n @ at[:3, 3]
-        return own + extent_along(case.standing.solid, -n @ X.R) - n @ X.p
+        own = extent_along(one.solid, n @ R) + n @ p
+        return own + extent_along(other.solid, -n @ X.R) - n @ X.p
 
     k = np.arange(DIRECTIONS) + 0.5
     height, turn = 1.0 - 2.0 * k / DIRECTIONS, np.pi * (1.0 + np.sqrt(5.0)) * k
     wide = np.sqrt(1.0 - height**2)
     n = np.stack([wide * np.cos(turn), wide * np.sin(turn), height], axis=1)
-    best = np.inf
-    for start in n[np.argsort(both(n), kind="stable")[:REFINED]]:
+    reach = both(n)
+    best = float(reach.min())
+    if best < -FAR:
+        return best
+    for start in n[np.argsort(reach, kind="stable")[:REFINED]]:
         here, value, step = start, float(both(start[None])[0]), 0.05
         while step > 1e-9:
-            tries = here + step * np.concatenate([np.eye(3), -np.eye(3)])
+            aside = np.cross(here, ASIDE)
+            tries = here + step * aside / np.linalg.norm(aside, axis=1)[:, None]
             tries /= np.linalg.norm(tries, axis=1)[:, None]
             found = both(tries)
             if found.min() < value:
@@ -162,25 +252,51 @@ def misses(case: Case, gap: Gap, samples: int, close: float) -> str:
     """What is wrong with what the search says of a case, in the eyes of another engine; "": nothing.
 
     `close` [m] is how exact the other engine is. A contact must be found that goes deeper than that at any of the
-    samples; and at the places that are reported the bodies must be as near, or as deep in each other, as is said.
-    Where the engine says another depth, `depth_of` decides, ten times as exactly.
+    samples; at the places that are reported the bodies must be as near, or as deep in each other, as is said; and where
+    the engine finds them deepest they must not be deeper than that by more than `BOUND`. Where the engine says another
+    depth, `depth_of` decides.
     """
     found = case.bodies.search(case.way)
-    shares = np.linspace(0.0, 1.0, samples)
+    times = np.linspace(0.0, len(case.q) - 1.0, samples)
+    gaps = np.array([gap(at) for at in case.poses(times)])
     if not found:
-        deep = min((gap(case.at(float(share))), float(share)) for share in shares)
-        return f"missed: {deep[0]} at {deep[1]}" if deep[0] < -close else ""
-    first = found[0]
-    if gap(case.at(first.share)) > close:
-        return f"reported at {first.share}, where the gap is {gap(case.at(first.share))}"
-    before = [float(share) for share in shares if share < first.share - 1e-9]
-    early = min((gap(case.at(share)) for share in before), default=np.inf)
+        least = int(gaps.argmin())
+        return f"missed: {gaps[least]} at {times[least]}" if gaps[least] < -close else ""
+    first = min(meeting.stretch + meeting.share for meeting in found)
+    if gap(case.at(first)) > close:
+        return f"reported at {first}, where the gap is {gap(case.at(first))}"
+    early = gaps[times < first - 1e-9].min(initial=np.inf)
     if early < -close:
-        return f"reported at {first.share}, but the gap is {early} before"
+        return f"reported at {first}, but the gap is {early} before"
     deepest = min(found, key=lambda meeting: meeting.gap)
-    there = gap(case.at(deepest.deepest[1]))
+    if first == 0.0 and deepest.gap <= -deep_inside(case):
+        return ""  # inside a mesh: nobody knows how deep
+    at = case.at(sum(deepest.deepest))
+    there = gap(at)
     if abs(there - deepest.gap) > close + 1e-3 * abs(there):
-        depth = depth_of(case, case.at(deepest.deepest[1]))
-        if there >= 0.0 or abs(depth + deepest.gap) > 0.1 * close:
-            return f"deepest {deepest.gap} at {deepest.deepest[1]}, where it is {there}, or {-depth}"
+        depth = depth_of(case, at)
+        if there >= 0.0 or abs(depth + deepest.gap) > JUDGED:
+            return f"deepest {deepest.gap} at {deepest.deepest}, where it is {there}, or {-depth}"
+    time, least_gap = _least_near(case, gap, float(times[gaps.argmin()]), float(times[1] - times[0]))
+    if least_gap < deepest.gap - BOUND:
+        depth = depth_of(case, case.at(time))
+        if -depth < deepest.gap - BOUND:
+            return f"deepest {deepest.gap} at {deepest.deepest}, but {least_gap}, or {-depth}, at {time}"
     return ""
+
+
+def deep_inside(case: Case) -> float:
+    """The depth [m] that is said of a body inside a mesh: how far the smaller of both reaches."""
+    return float(min(case.bodies._woods.far)) if case.dented else np.inf
+
+
+def _least_near(case: Case, gap: Gap, time: float, step: float) -> tuple[float, float]:
+    """When the gap is least near a time, by golden section, and that gap [m]."""
+    low, high = max(time - step, 0.0), min(time + step, len(case.q) - 1.0)
+    best = gap(case.at(time)), time
+    for _ in range(GOLDEN_ROUNDS):
+        left, right = high - 0.618 * (high - low), low + 0.618 * (high - low)
+        at_left, at_right = gap(case.at(left)), gap(case.at(right))
+        best = min(best, (at_left, left), (at_right, right))
+        low, high = (low, right) if at_left <= at_right else (left, high)
+    return best[1], best[0]
