@@ -30,7 +30,7 @@ def _plain_name(text: str) -> str | None:
 def names_of(what: str) -> NameRule:
     """Names that a user chooses; the names of our own frames are taken."""
     return NameRule(
-        what=f"{what} name (letters, digits, `_`, `-`, a letter or `_` first; not {', '.join(RESERVED[:2])} …)",
+        what=f"{what} name (letters, digits, `_`, `-`, a letter or `_` first; not {', '.join(RESERVED)})",
         pattern=_NAME,
         canonical=_plain_name,
     )

@@ -112,7 +112,8 @@ class Spectator:
         self._surfaces({name: surface_of(stock) for name, stock in self._shop.stocks.items()})
         self._picture(world_steps.q[-1], int(window.tool[-1]), None)
         low, high = self._room()
-        self._screen.look_at(0.5 * (low + high), 1.4 * float(np.linalg.norm(high - low)))
+        # a ball fills an angle of 60 degrees, which is pybullet's, where the eye is as far as the ball is wide
+        self._screen.look_at(0.5 * (low + high), float(np.linalg.norm(high - low)))
 
     def look(self, window: StepWindow) -> _Look:
         inner = None if self._inner is None else self._inner.look(window)
