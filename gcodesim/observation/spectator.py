@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Final, Protocol
 
@@ -112,8 +113,8 @@ class Spectator:
         self._surfaces({name: surface_of(stock) for name, stock in self._shop.stocks.items()})
         self._picture(world_steps.q[-1], int(window.tool[-1]), None)
         low, high = self._room()
-        # a ball fills an angle of 60 degrees, which is pybullet's, where the eye is as far as the ball is wide
-        self._screen.look_at(0.5 * (low + high), float(np.linalg.norm(high - low)))
+        # pybullet's window is 90 degrees high, so that a ball around everything fills it from this distance
+        self._screen.look_at(0.5 * (low + high), math.sqrt(0.5) * float(np.linalg.norm(high - low)))
 
     def look(self, window: StepWindow) -> _Look:
         inner = None if self._inner is None else self._inner.look(window)
