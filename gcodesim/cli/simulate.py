@@ -12,7 +12,7 @@ from dataclasses import replace
 from pathlib import Path
 from signal import SIGINT
 from types import FrameType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 from gcodesim import compiled
 from gcodesim.cell import load_cell
@@ -290,13 +290,19 @@ def announce_compiling(signature: str, obstacle: str) -> None:
     warm_up_for(signature, obstacle, note)
 
 
+_TOGETHER_S: Final = 0.2
+"""Signals that come no later than this after the first [s] are the same wish."""
+
+
 class RunStop:
     """Ctrl-C or SIGTERM during a run: the first finishes the current steps and closes the log, a second does not.
 
-    Before the run moves, nothing is open and the first one ends it at once.
+    Before the run moves, there is nothing to tell and the first one ends it at once. Two that come together are one:
+    `timeout` and shells send theirs to a process and once more to its group.
     """
 
     signal = 0  # the signal that arrived
+    _since_s = 0.0  # when it did
     _moves = False
 
     def __enter__(self) -> RunStop:
@@ -305,9 +311,12 @@ class RunStop:
         return self
 
     def _ask(self, number: int, _frame: FrameType | None) -> None:
-        if self.signal or not self._moves:
+        now_s = time.monotonic()
+        if not self._moves or (self.signal and now_s - self._since_s > _TOGETHER_S):
             raise Interrupted(number)
-        self.signal = number
+        if self.signal:
+            return
+        self.signal, self._since_s = number, now_s
         # not print: a signal may come while a stream is in use
         os.write(2, b"gcodesim: stopping; the log is closed first (Ctrl-C again stops at once)\n")
 

@@ -138,6 +138,30 @@ def test_other_signals_close_the_log_as_well(
     assert signal.getsignal(number) == before
 
 
+@pytest.mark.parametrize(("together_s", "is_closed"), [(60.0, True), (0.0, False)])
+def test_two_signals_that_come_together_are_one(
+    cli, monkeypatch: pytest.MonkeyPatch, tmp_path: Path, together_s: float, is_closed: bool
+) -> None:
+    """`timeout` sends one to the process and one to its group; a second Ctrl-C of a person comes later."""
+    move, results_of, left = loop._move, one_run.results_of, [3]
+
+    def first(*arguments: Any) -> Any:
+        left[0] -= 1
+        if left[0] == 0:
+            signal.raise_signal(signal.SIGTERM)
+        return move(*arguments)
+
+    def second(*arguments: Any, **named: Any) -> Any:
+        signal.raise_signal(signal.SIGTERM)
+        return results_of(*arguments, **named)
+
+    monkeypatch.setattr(loop, "_move", first)
+    monkeypatch.setattr(one_run, "results_of", second)
+    monkeypatch.setattr("gcodesim.cli.simulate._TOGETHER_S", together_s)
+    assert cli("run", "slot.nc", "--cell", "cell.yaml").status == 143
+    assert (tmp_path / "out" / "results.json").exists() == is_closed
+
+
 def test_sigterm_ends_other_commands_without_a_trace(cli, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("gcodesim.cli.simulate.check", lambda *_: signal.raise_signal(signal.SIGTERM))
     done = cli("check", "slot.nc", "--cell", "cell.yaml")
