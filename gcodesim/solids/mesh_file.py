@@ -69,11 +69,11 @@ def read_mesh(path: Path, scale: float = 1.0) -> tuple[Array, Faces]:
         raise MeshError(f"{path.name}: {fault}") from fault
     corners = _binary_stl(raw) if path.suffix.lower() == ".stl" else None
     if corners is None:
-        points, faces = _by_library(path, raw)
+        points, triangles = _by_library(path, raw)
     else:
-        points, faces = corners, np.arange(len(corners)).reshape(-1, 3)
+        points, triangles = corners, np.arange(len(corners), dtype=np.int64).reshape(-1, 3)
     vertices = np.ascontiguousarray(points, dtype=np.float64) * scale
-    faces = np.ascontiguousarray(faces, dtype=np.int32)
+    faces = np.ascontiguousarray(triangles, dtype=np.int32)
     if len(faces) == 0:
         raise MeshError(f"{path.name} holds no triangles")
     if faces.min() < 0 or faces.max() >= len(vertices):
