@@ -325,10 +325,20 @@ def mend_limit(law: ForceLaw, row: Array, unit: Array, limit: float, drop: float
 
 
 @kernel(lean=True, inlined=True)
+def with_limit(begin: int, end: int, limit: float) -> tuple[int, int]:
+    """The angles begin..end together with the one in which contact ends at `limit` [angles]."""
+    m = int(limit)
+    return min(begin, m), max(end, m + 1)
+
+
+@kernel(lean=True, inlined=True)
 def add_cylinder(law: ForceLaw, level: float, scale: Scale, room: Room, first: int, number: int, seams: int) -> None:
     """Forces of the rows first..first + number, which are those of a cylinder and share seams."""
     rows, numbers, half = room.rows, room.seams.numbers, ANGLES // 2
-    begin, end = max(int(rows[first, FROM]) - 1, 0), min(int(rows[first, TO]) + 1, half)
+    begin, end = int(rows[first, FROM]), int(rows[first, TO])
+    for seam in range(seams):
+        begin, end = with_limit(begin, end, numbers[LIMIT, seam])
+    begin, end = max(begin - 1, 0), min(end + 1, half)
     level_forces(law, level, scale, rows[first, SIN_KAPPA], 0.0, begin, end, room.unit)
     for i in range(first, first + number):
         add_row(rows[i], room.unit, room.weights[i], room.sums)
@@ -372,15 +382,21 @@ def add_rows(
         begin, end = ANGLES, 0
         for i in range(first, first + number):
             begin, end = min(begin, int(rows[i, FROM])), max(end, int(rows[i, TO]))
+        for k in range(seams):
+            begin, end = with_limit(begin, end, numbers[LIMIT, k])
         last = row_forces(teeth, heading, scale, rows[first], begin, end, room.unit)
         if rows[first, PUSHED] > 0.0:
-            press(rows[first, PUSHED], room.unit[:, begin:end])
+            press(rows[first, PUSHED], room.unit[:, max(begin - 1, 0) : min(end + 1, last)])
     seam = 0
     for i in range(first, first + number):
         begin, end = int(rows[i, FROM]), int(rows[i, TO])
         if begin >= end:
             continue
         if not straight:
+            for k in range(seam, seams):
+                if places[ROW, k] != i:
+                    break
+                begin, end = with_limit(begin, end, numbers[LIMIT, k])
             last = row_forces(teeth, heading, scale, rows[i], begin, end, room.unit)
         add_row(rows[i], room.unit, room.weights[i], room.sums)
         while seam < seams and places[ROW, seam] == i:
