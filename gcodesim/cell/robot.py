@@ -23,7 +23,6 @@ from gcodesim.cell.joints import (
 from gcodesim.cell.models import shipped, shipped_chain
 from gcodesim.cell.placing import POINT, Place
 from gcodesim.controllers import CONTROLLERS, Controller
-from gcodesim.controllers.ideal import Ideal
 from gcodesim.declarations.composed import Either, ListOf
 from gcodesim.declarations.file_kind import File, FileValue
 from gcodesim.declarations.keys import key
@@ -134,10 +133,11 @@ class RobotForm:
     payload: Payload | None = key(
         Record(Payload, "a payload", "mass"), "what hangs at the flange besides the tool", default=None
     )
-    controller: Controller = key(
+    controller: Controller | None = key(
         _CONTROLLER,
         "how motors follow the command",
-        default=Ideal(),
+        default=None,
+        rule="`ideal`; in `bullet`, with `stiffness`, `{type: flexible, feed_forward: true}`",
         quiet=True,
     )
     configuration: tuple[str, ...] | None = key(
@@ -213,7 +213,8 @@ class RobotForm:
             to.default((*path, "base", "in"), "world")
         if not self._can_stand(chain, to, (*path, "configuration")):
             return UNREAD
-        for name, values in self.controller.lists().items():
+        lists = {} if self.controller is None else self.controller.lists()
+        for name, values in lists.items():
             if len(values) not in (0, 1, len(measures)):
                 span = to.span((*path, "controller", name))
                 return to.fault(
@@ -381,7 +382,7 @@ class Robot:
     allow_collisions: tuple[tuple[str, str], ...]
     payload: Payload | None
     configuration: tuple[str, ...] | None = None
-    controller: Controller = Ideal()
+    controller: Controller | None = None
     X_WB: Pose = field(default_factory=Pose.identity, compare=False)
     externals: tuple[External, ...] = field(default=(), compare=False, repr=False)
 
@@ -470,7 +471,7 @@ class RobotKind(Kind):
             shown["allow_collisions"] = [list(pair) for pair in value.allow_collisions]
         if value.payload is not None:
             shown["payload"] = Record(Payload, "a payload").show(value.payload)
-        if value.controller.law != "ideal":
+        if value.controller is not None:
             shown["controller"] = _CONTROLLER.show(value.controller)
         if value.configuration is not None:
             shown["configuration"] = _CONFIGURATION.show(value.configuration)
@@ -494,7 +495,7 @@ class RobotKind(Kind):
             shown["allow_collisions"] = [list(pair) for pair in value.allow_collisions]
         if value.payload is not None:
             shown["payload"] = Record(Payload, "a payload").plain(value.payload)[1]
-        if value.controller.law != "ideal":
+        if value.controller is not None:
             shown["controller"] = _CONTROLLER.plain(value.controller)[1]
         if value.configuration is not None:
             shown["configuration"] = list(value.configuration)

@@ -131,6 +131,11 @@ class Controller:
         """Whether it changes the reference."""
         return type(self).aim is not Controller.aim
 
+    @property
+    def ahead(self) -> bool:
+        """Whether motors turn further by what the commanded motion winds up in their gears, not by gravity's alone."""
+        return False
+
     def of_joints(self, own: NDArray[np.intp], count: int) -> Self:
         """The same for `count` joints, of which its lists mean those at `own` and have 0 for others.
 

@@ -8,6 +8,7 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gcodesim.executor.part_run import PartRun
 from gcodesim.executor.stint import Stint, deflection_of
@@ -69,7 +70,13 @@ class Coupling:
         tasks = self._tasks.of(number) if cuts else self._tasks.kept(number)
         stints = self._stints(tasks, steps, begin, end)
         self._bend(steps, begin, end, stints)
-        return Stretch(self._plan, steps, begin, end, stints, partial(self._part, tasks, steps))
+        return self._made(tasks, steps, begin, end, stints)
+
+    def _made(
+        self, tasks: Sequence[Task], steps: StepWindow, begin: int, end: int, stints: list[Stint]
+    ) -> Stretch:
+        swings = sum(task.process.pushes for task in tasks) < 2
+        return Stretch(self._plan, steps, begin, end, stints, partial(self._part, tasks, steps), swings=swings)
 
     def _stints(self, tasks: Sequence[Task], steps: StepWindow, begin: int, end: int) -> list[Stint]:
         def jacobian() -> Array:
@@ -81,8 +88,7 @@ class Coupling:
 
     def _part(self, tasks: Sequence[Task], steps: StepWindow, begin: int, end: int) -> Stretch:
         """Steps of a stretch that has not been run, in which no process leads and no part is carried."""
-        stints = self._stints(tasks, steps, begin, end)
-        return Stretch(self._plan, steps, begin, end, stints, partial(self._part, tasks, steps))
+        return self._made(tasks, steps, begin, end, self._stints(tasks, steps, begin, end))
 
     def _bend(self, steps: StepWindow, begin: int, end: int, stints: list[Stint]) -> None:
         """Let the other processes act where those that lead put the tip."""
@@ -114,7 +120,7 @@ class Stretch:
     """Consecutive steps with one tool; itself the function that a world calls.
 
     `watch` looks at what else of the machine comes to stocks, and `seen` is what it saw in these steps. `again` makes
-    a stretch of some of the steps.
+    a stretch of some of the steps. `swings`: no two processes push, wherever the tool is.
     """
 
     def __init__(
@@ -125,9 +131,11 @@ class Stretch:
         end: int,
         stints: list[Stint],
         again: Callable[[int, int], Stretch],
+        *,
+        swings: bool,
     ) -> None:
         self._plan, self._steps, self._again = plan, steps, again
-        self.begin, self.end, self.stints = begin, end, stints
+        self.begin, self.end, self.stints, self.swings = begin, end, stints, swings
         self.watch: StockWatch | None = None
         self.seen: Sighting | None = None
 
@@ -212,6 +220,12 @@ class Stretch:
             if stint.task.process.pushes:
                 wrench += stint.step(k, before, moved, response)
         return wrench
+
+    @property
+    def swung(self) -> NDArray[np.bool_]:
+        """In which steps (n,) `swing` can tell."""
+        pushing = [stint for stint in self.stints if stint.task.process.pushes]
+        return pushing[0].swung if self.swings and pushing else np.full(len(self), self.swings)
 
     def swing(self, swings: Swings) -> Array | None:
         """What the tool feels (n, 6) in all steps of a machine whose gears swing as `swings`, base axes, tell.

@@ -29,7 +29,7 @@ from gcodesim.executor.track import (
 from gcodesim.executor.weave import Weave
 from gcodesim.shop import Shop
 from gcodesim.tools.gripper import Gripper
-from gcodesim.world import WorldSteps
+from gcodesim.world import NotAtOnce, WorldSteps
 
 if TYPE_CHECKING:
     from gcodesim.executor.loose_bodies import LooseBodies
@@ -244,13 +244,24 @@ def _move(track: Track, cutter: CutThread, cut: WindowCut, following: WindowCut 
     while (index := index + 1) < len(cut.stretches):
         stretch = cut.stretches[index] if world.keeps_to_command else cut.ready(index)
         q = cut.window.q[stretch.begin : stretch.end]
-        if not stretch.pushes and world.keeps_to_command:
+        if not stretch.pushes and (world.keeps_to_command or stretch.swings):
+            if not world.keeps_to_command:  # what nobody feels goes by the command
+                follows = False
+                stretch.finish()
             moved.extend(track.move(stretch, cut.window))
+            if not world.keeps_to_command:
+                stretch.settle()
+                cut.wrenches.append(np.zeros(0))
             continue
         track.attach(int(cut.window.tool[stretch.begin]))
         if not world.keeps_to_command:
             follows = False
-            moved.append(world.run(q, stretch if stretch.pushes else None))
+            try:
+                moved.append(world.run(q, stretch))
+            except NotAtOnce as some:
+                cut.stretches[index : index + 1] = stretch.divided(some.after)
+                index -= 1
+                continue
             stretch.finish()
             stretch.settle()
             cut.wrenches.append(np.zeros(0))
@@ -269,11 +280,4 @@ def _move(track: Track, cutter: CutThread, cut: WindowCut, following: WindowCut 
         track.carry_on(stretch)
     if not world.keeps_to_command:
         cutter.see(cut)
-    return moved[0] if len(moved) == 1 else _joined(moved), follows
-
-
-def _joined(parts: list[WorldSteps]) -> WorldSteps:
-    names = ["q", "qd", "qdd", "effort", "saturated", "reaction"]
-    if parts[0].gear is not None:
-        names.append("gear")
-    return WorldSteps(**{name: np.concatenate([getattr(part, name) for part in parts]) for name in names})
+    return WorldSteps.joined(moved), follows

@@ -131,7 +131,7 @@ def may_follow_path(shop: Shop, only: Only | None = None) -> bool:
     from gcodesim.processes import PROCESSES
 
     mover = shop.mover
-    if not mover.joints_are_axes or mover.lathe or mover.stiffness is not None or mover.controller.law != "ideal":
+    if not mover.joints_are_axes or mover.lathe or mover.stiffness is not None:
         return False
     if shop.moves_parts:
         return False

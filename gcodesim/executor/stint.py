@@ -135,6 +135,15 @@ class Stint:
         wrench_from_axes(self.X_BS[k], wrench, out)
         return out
 
+    @property
+    def swung(self) -> NDArray[np.bool_]:
+        """In which steps (n,) `swing` can tell."""
+        can = getattr(self.task.process, "swung", None)
+        if can is None or self.parts is not None or self.anew is not None:
+            return np.zeros(self.window.steps, dtype=bool)
+        told: NDArray[np.bool_] = can(self.task.target.given, self.window)
+        return told
+
     def swing(self, swings: Swings) -> bool:
         """All steps at once, on gears that swing as `swings`, in B, tell; whether the process can do so."""
         act = getattr(self.task.process, "swing", None)

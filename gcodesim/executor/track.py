@@ -35,7 +35,7 @@ from gcodesim.processes.gripping import GRIP, GripEvent
 from gcodesim.scene import PartChange, Stay
 from gcodesim.shop import Shop
 from gcodesim.solids.mass import MassOfSkin
-from gcodesim.world import RobotBody, WorldSteps, open_world, tool_body
+from gcodesim.world import RobotBody, WorldSteps, open_world, tool_body, usual_controller
 
 if TYPE_CHECKING:
     from gcodesim.checks.stock_watch import StockWatch
@@ -169,7 +169,7 @@ class Track:
             chain=shop.kinematics.chain,
             X_WB=shop.X_WB,
             stiffness=None if shop.stiffness is None else tuple(shop.stiffness.tolist()),
-            controller=shop.mover.controller,
+            controller=shop.mover.controller or usual_controller(world_name, shop.stiffness),
         )
         self.world = open_world(world_name, body, dt_ns, efforts=brought.efforts)
         self._joints = JointTotals.start(self._home, told=self.world.tells_efforts)

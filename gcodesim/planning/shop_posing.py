@@ -200,12 +200,12 @@ def _push_of(tool: Tool, shop: Shop) -> TipPush | None:
 
 
 def _motors_of(shop: Shop) -> Motors | None:
-    """Friction and rotors that the controller of the robot says; None of an ideal one."""
+    """Friction and rotors that the controller of the robot says; None of an ideal one, and where there is none."""
     from gcodesim.planning.loads import Motors
     from gcodesim.world.driven import friction_of, rotors_of
 
     own, joints = shop.mover.controller, shop.kinematics.chain.driven_joints
-    if own.law == "ideal":
+    if own is None or own.law == "ideal":
         return None
     coulomb, viscous = friction_of(own, joints)
     return Motors(coulomb=coulomb, viscous=viscous, rotor=rotors_of(own, joints.effort))

@@ -41,15 +41,9 @@ class Leaning:
     @staticmethod
     def of(window: Window, turns: Turns) -> Leaning:
         """For all parts of the steps of a window."""
-        from gcodesim.processes.milling_kernels import LARGEST_TILT
-
         after = window.axis
         before = after if window.axis_before is None else window.axis_before
-        leans = np.zeros(window.steps, dtype=bool)
-        for axis in (before, after):
-            level = axis[:, 0] * axis[:, 0] + axis[:, 1] * axis[:, 1]
-            leans |= (level > LARGEST_TILT * LARGEST_TILT) | (axis[:, 2] <= 0.0)
-        return Leaning(leans[turns.step], before, after, window)
+        return Leaning(leaning_steps(window)[turns.step], before, after, window)
 
     def axes(self, first: int, end: int) -> tuple[Array, Array]:
         """The axes (end - first, 3) of the tool in pieces first … end - 1, at both ends."""
@@ -222,3 +216,14 @@ def bent_pieces(motion: Motion, before: Array, out: Array) -> tuple[Array, Array
     bend = (late - early)[part]
     starts = motion.starts + early[part] + share[:, :1] * bend
     return starts, motion.ends + early[part] + share[:, 1:] * bend
+
+
+def leaning_steps(window: Window) -> NDArray[np.bool_]:
+    """Where (n,) the tool leans at the beginning or at the end of a step."""
+    from gcodesim.processes.milling_kernels import LARGEST_TILT
+
+    leans = np.zeros(window.steps, dtype=bool)
+    for axis in (window.axis, window.axis if window.axis_before is None else window.axis_before):
+        level = axis[:, 0] * axis[:, 0] + axis[:, 1] * axis[:, 1]
+        leans |= (level > LARGEST_TILT * LARGEST_TILT) | (axis[:, 2] <= 0.0)
+    return leans

@@ -231,6 +231,12 @@ class Milling(Process):
 
         return MillingLoop(self, stock, window, state)
 
+    def swung(self, stock: Stock, window: Window) -> NDArray[np.bool_]:
+        """In which steps (n,) `swing` can tell."""
+        from gcodesim.processes.milling_swing import swung_steps
+
+        return swung_steps(self, stock, window)
+
     def swing(self, stock: Stock, window: Window, state: ProcessState, swings: Swings) -> ProcessStep | None:
         """The same in one call, for a machine whose gears swing; None where it has to go step by step."""
         from gcodesim.processes.milling_swing import milled_swinging

@@ -5,8 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
-from gcodesim.processes.leaning import Leaning
+from gcodesim.processes.leaning import leaning_steps
 from gcodesim.processes.leaning_force import leave
 from gcodesim.processes.milling import of_steps, packed_motion
 from gcodesim.processes.turns import Turns
@@ -19,20 +20,30 @@ if TYPE_CHECKING:
     from gcodesim.processes.swing_kernels import Swings
 
 
+def swung_steps(process: Milling, stock: Stock, window: Window) -> NDArray[np.bool_]:
+    """The steps (n,) that take one call: not those of tools that lean, bend or have a form.
+
+    Nor those in stock with columns in three directions.
+    """
+    tool = process.packed_tool
+    if process.cutter.substrate is not None or len(tool.slabs) or stock.columns_along != 1:
+        return np.zeros(window.steps, dtype=bool)
+    upright: NDArray[np.bool_] = ~leaning_steps(window)
+    return upright
+
+
 def milled_swinging(
     process: Milling, stock: Stock, window: Window, state: ProcessState, swings: Swings
 ) -> ProcessStep | None:
     """What `MillingLoop` does in the steps of a window, on gears as `swings` (in S) tell; `swings.winds` is filled.
 
-    None where this takes more than one call: for tools that lean, bend or have a form, and stock with columns in
-    three directions. Nothing has happened then.
+    None where this takes more than one call, see `swung_steps`. Nothing has happened then.
     """
     from gcodesim.processes import milling_kernels as m
     from gcodesim.processes.swing_kernels import STOP, SwingParts, mill_swinging
 
     turns, tool = Turns.of(window), process.packed_tool
-    plain = process.cutter.substrate is None and not len(tool.slabs) and stock.columns_along == 1
-    if not plain or Leaning.of(window, turns).parts.any():
+    if not swung_steps(process, stock, window).all():
         return None
     motion = packed_motion(window, turns, stock.cell)
     motion = motion._replace(velocity=motion.velocity.copy())

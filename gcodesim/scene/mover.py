@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import field
 from pathlib import Path
 from typing import TYPE_CHECKING, Final, Literal
 
 import numpy as np
 
 from gcodesim.controllers.controller import Controller
-from gcodesim.controllers.ideal import Ideal
 from gcodesim.frames import Array, Pose
 from gcodesim.frozen import frozen
 from gcodesim.kinematics.chain import BASE, FLANGE
@@ -33,7 +31,8 @@ class Mover:
     where it depends on the pose. `timed_only` are joints whose place is unknown, so that they only take time.
     `seen_whole`: a viewer should see all of it beside the part; `lathe`: the work
     turns, about Z at X0 of its base. `description` is the file that describes it; `externals` are joints outside
-    of that, which have names of their own; `controller` is how its motors follow the command;
+    of that, which have names of their own; `controller` is how its motors follow the command, None: as usual in the
+    world in which it moves;
     `may_meet` are pairs of links that the cell lets touch each other. `own_table` is the link on which a machine tool
     holds what names no link, where its work side is another one.
     """
@@ -50,7 +49,7 @@ class Mover:
     seen_whole: bool = True
     lathe: bool = False
     description: Path | None = None
-    controller: Controller = field(default_factory=Ideal)
+    controller: Controller | None = None
     externals: tuple[str, ...] = ()
     may_meet: tuple[tuple[str, str], ...] = ()
     own_table: str | None = None

@@ -497,7 +497,10 @@ class Arm:
     @property
     def controller(self) -> Controller:
         """How its motors follow what they are told; may be set until the first step (see `gcodesim.controllers`)."""
-        return self._cell._shop.mover.controller
+        from gcodesim.world import usual_controller
+
+        job, mover = self._cell._job, self._cell._shop.mover
+        return mover.controller or usual_controller(job.world, mover.stiffness)
 
     @controller.setter
     def controller(self, controller: Controller) -> None:

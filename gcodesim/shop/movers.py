@@ -75,11 +75,11 @@ def _robot(robot: Robot) -> Mover:
     )
 
 
-def controller_of(controller: Controller, kinematics: Kinematics) -> Controller:
-    """The same for all joints that move, external axes among them: it has no values for those."""
+def controller_of(controller: Controller | None, kinematics: Kinematics) -> Controller | None:
+    """The same for all joints that move, external axes among them: it has no values for those. None stays None."""
     from gcodesim.kinematics.assembly import Assembly
 
-    if not isinstance(kinematics, Assembly):
+    if controller is None or not isinstance(kinematics, Assembly):
         return controller
     return controller.of_joints(kinematics.own, len(kinematics.joints))
 

@@ -4,10 +4,16 @@ from __future__ import annotations
 
 from typing import Any, Final
 
+import numpy as np
+
+from gcodesim.controllers.controller import Controller
+from gcodesim.controllers.flexible import Flexible
+from gcodesim.controllers.ideal import Ideal
 from gcodesim.family import Family, object_at
+from gcodesim.frames import Array
 from gcodesim.world.body import RobotBody, ToolBody, tool_body
 from gcodesim.world.falling import fall_of
-from gcodesim.world.protocol import STANDARD_GRAVITY, Couple, World, WorldSteps, WorldUnavailable
+from gcodesim.world.protocol import STANDARD_GRAVITY, Couple, NotAtOnce, World, WorldSteps, WorldUnavailable
 
 WORLDS = Family(
     "worlds",
@@ -52,6 +58,17 @@ def open_world(
     return world
 
 
+def usual_controller(name: str, stiffness: Array | None) -> Controller:
+    """The controller of a robot with gears of `stiffness` (j,) in the world `name`, where its cell names none.
+
+    In `bullet` gears are what they are: springs on which links swing by the process. Its control feeds its own motion
+    forward, so that what is asked of joints is the same as in the kinematic world.
+    """
+    if name != "bullet" or stiffness is None or not np.isfinite(stiffness).any():
+        return Ideal()
+    return Flexible(feed_forward=True)
+
+
 def require_world(name: str) -> None:
     """Raise `WorldUnavailable` when the world `name` of WORLDS needs something that is not installed."""
     require = getattr(WORLDS[name], "require", None)
@@ -64,6 +81,7 @@ __all__ = [
     "STANDARD_GRAVITY",
     "WORLDS",
     "Couple",
+    "NotAtOnce",
     "RobotBody",
     "ToolBody",
     "World",
@@ -73,4 +91,5 @@ __all__ = [
     "open_world",
     "require_world",
     "tool_body",
+    "usual_controller",
 ]

@@ -41,7 +41,9 @@ BRAKE = 0.5
 class Drives(NamedTuple):
     """What moves j joints; (j,) each. A stiffness of 0 is a rigid gear; no limit is infinite.
 
-    `stiffness` and `damping` are those of servos [N·m/rad, N·m·s/rad].
+    `stiffness` and `damping` are those of servos [N·m/rad, N·m·s/rad]. `ahead`: motors turn further by what the torque
+    of the commanded motion winds up in the gears, not by gravity's alone; and `limit` and efforts are those of joints,
+    to which what a rotor needs to follow its command comes on top, as where nobody asks about rotors.
     """
 
     law: int
@@ -53,6 +55,7 @@ class Drives(NamedTuple):
     viscous: Array
     stiffness: Array
     damping: Array
+    ahead: bool
 
 
 class LinkBodies(NamedTuple):
@@ -149,20 +152,27 @@ def weigh(body: LinkBodies, state: DriveState, room: StepRoom) -> None:
 
 
 @kernel
+def mean_pull(i: int, dt: float, aim: Aim) -> float:
+    """Acceleration [rad/s²] by command from the step before to this one, by their mean speeds; see `next_aim`."""
+    return float(2.0 * (aim.v1[i] - (aim.q1[i] - aim.q0[i]) / dt) / dt)
+
+
+@kernel
 def feed_forward(dt: float, drives: Drives, aim: Aim, state: DriveState, room: StepRoom) -> None:
     """What a control adds in a step because it knows its robot: torques, and how far it turns motors against gears.
 
-    All know gravity; with `COMPUTED` all torques of the commanded motion, at the joints and speeds of the state (PD+,
-    Paden and Panja 1988: computed torque whose loop does not pass through the mass matrix, so that it is stable with
-    gears that are springs too). `weigh` comes first.
+    All know gravity; with `COMPUTED` and `ahead` all torques of the commanded motion, at the joints and speeds of the
+    state (PD+, Paden and Panja 1988: computed torque whose loop does not pass through the mass matrix, so that it is
+    stable with gears that are springs too). `weigh` comes first.
     """
     joints = state.q.shape[0]
     for i in range(joints):
         torque = 0.0
-        if drives.law == COMPUTED:
+        if drives.law == COMPUTED or drives.ahead:
             torque = room.bias[i] - room.static[i]
             for k in range(joints):
-                torque += room.mass[i, k] * (aim.v1[k] - aim.v0[k]) / dt
+                torque += room.mass[i, k] * (mean_pull(k, dt, aim) if drives.ahead else (aim.v1[k] - aim.v0[k]) / dt)
+        if drives.law == COMPUTED:
             aim.forward[i] = torque + drives.rotor[i] * (aim.v1[i] - aim.v0[i]) / dt
         sag = (room.static[i] + torque) / drives.gear[i] if drives.gear[i] > 0.0 else 0.0
         room.wind[i] = sag - state.sag[i]
@@ -262,6 +272,12 @@ def friction_of(i: int, drives: Drives, speed: float) -> float:
 
 
 @kernel
+def rotor_ahead(i: int, dt: float, drives: Drives, aim: Aim) -> float:
+    """Torque [N·m] that the rotor takes to follow its command, where that is no matter of the limit."""
+    return float(drives.rotor[i] * mean_pull(i, dt, aim)) if drives.ahead else 0.0
+
+
+@kernel
 def motor_row(
     i: int, part: int, h: float, dt: float, drives: Drives, aim: Aim, state: DriveState, room: StepRoom
 ) -> tuple[float, float]:
@@ -270,7 +286,7 @@ def motor_row(
     r = drives.rotor[i] * state.thetad[i]
     side = room.full[part, i]
     if side != 0:
-        return b, r + h * side * drives.limit[i]
+        return b, r + h * (side * drives.limit[i] + rotor_ahead(i, dt, drives, aim))
     if drives.law == SERVO or drives.law == COMPUTED:
         q, v, _ = aimed(i, (part + 1) * h, dt, aim)
         target = q + state.sag[i]
@@ -368,7 +384,7 @@ def settle_part(
                 for k in range(joints):
                     shaft += room.mass[i, k] * (room.speed[k] - state.qd[k]) / h
             motor = shaft + drives.rotor[i] * (speed - state.thetad[i]) / h
-            motor += friction_of(i, drives, state.thetad[i]) * speed
+            motor += friction_of(i, drives, state.thetad[i]) * speed - rotor_ahead(i, dt, drives, aim)
         else:
             b, r = motor_row(i, part, h, dt, drives, aim, state, room)
             if s > 0.0:

@@ -11,6 +11,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, Final, cast
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gcodesim.controllers.controller import Controller, RobotModel, Sense, Servo
 from gcodesim.frames import Array, Pose
@@ -18,7 +19,7 @@ from gcodesim.kinematics.dynamics import inverse_dynamics
 from gcodesim.kinematics.elasticity import shift_jacobian
 from gcodesim.world.body import RobotBody, ToolBody
 from gcodesim.world.payload import payload_of
-from gcodesim.world.protocol import STANDARD_GRAVITY, Couple, SwungAtOnce, WorldSteps
+from gcodesim.world.protocol import STANDARD_GRAVITY, Couple, NotAtOnce, SwungAtOnce, WorldSteps
 from gcodesim.world.reaction import tool_reaction
 from gcodesim.world.state import WorldBase, reaction_of, wrench_rows
 
@@ -31,6 +32,11 @@ SHORTEST_NS: Final = 250_000
 
 LATE: Final = 1e-9
 """[rad, m] A motor that is farther from its command has been at its limit, and catches up."""
+
+SPELL: Final = 16
+"""Where a motor reaches its limit, so many steps go one by one; then it is asked again whether all can be swung."""
+
+LONGEST: Final = 1 << 30
 
 USUAL_ROTOR: Final = 500.0
 """[rad/s², m/s²] with which a motor at its limit accelerates itself, where nobody says how heavy its rotor is."""
@@ -60,6 +66,8 @@ class DrivenWorld(WorldBase):
         self._memory: dict[str, Any] = {}
         self._wound: Array | None = None  # (2j,) how links are off their motors, where the last steps were swung
         self._steps = 0
+        self._spell = 0  # steps that are still to go one by one
+        self._reach = LONGEST  # steps that are tried at once
         self._before = np.zeros((2, j))  # motors and links, their speeds at the end of the last step
         self._body = links_of(robot.chain, None, self.gravity_B)
         self._home = np.zeros(j)
@@ -98,6 +106,7 @@ class DrivenWorld(WorldBase):
             viscous=viscous,
             stiffness=stiffness,
             damping=damping,
+            ahead=own.ahead,
         )
 
     def _weigh_at(self, q: Array) -> None:
@@ -132,7 +141,7 @@ class DrivenWorld(WorldBase):
         self._aim.forward[:] = 0.0
         self._before[:] = 0.0
         self._last_q = np.array([q, q])
-        self._memory, self._steps = {}, 0
+        self._memory, self._steps, self._spell, self._reach = {}, 0, 0, LONGEST
         self._placed()
 
     def _placed(self) -> None:
@@ -151,18 +160,73 @@ class DrivenWorld(WorldBase):
 
     def run(self, q_command: Array, couple: Couple | Array | None = None) -> WorldSteps:
         """Move through `q_command` (n, j); see `World.run`."""
+        commands = self._commands(q_command)
+        if callable(couple):
+            return self._first(commands, couple)
+        wrench = None if couple is None else np.array(wrench_rows(couple, 0, commands))
+        parts: list[WorldSteps] = []
+        while not parts or len(commands):
+            parts.append(self._first(commands, wrench))
+            done = len(parts[-1].q)
+            commands, wrench = commands[done:], None if wrench is None else wrench[done:]
+        return WorldSteps.joined(parts)
+
+    def _first(self, commands: Array, couple: Couple | Array | None) -> WorldSteps:
+        """The first of some steps: as many as go the same way, all at once or one by one.
+
+        Raises `NotAtOnce` where they are not all and a process has to be divided.
+        """
+        n = len(commands)
+        process = cast("SwungAtOnce", couple) if hasattr(couple, "swing") else None
+        swung = self._swung_steps(n, couple, process)
+        at_once = bool(n and swung[0])
+        same = n if n == 0 or (swung == at_once).all() else int(np.argmax(swung != at_once))
+        if at_once:
+            same = min(same, self._reach)
+        if process is not None and same < n:
+            if process.divisible:
+                raise NotAtOnce(same)
+            at_once, same = False, n
+        commands, couple = commands[:same], couple if couple is None or callable(couple) else couple[:same]
+        if at_once:
+            done = self._swing(commands, couple, process)
+            if isinstance(done, WorldSteps):
+                self._reach *= 2
+                return done
+            self._reach = SPELL
+            if 0 < done < same and (process is None or process.divisible):
+                if process is not None:
+                    raise NotAtOnce(done)
+                return self._first(commands[:done], None if couple is None else couple[:done])
+            self._spell = SPELL
+            return self._first(commands, couple)
+        self._spell = max(self._spell - same, 0)
+        return self._by_steps(commands, couple)
+
+    def _swung_steps(self, n: int, couple: Couple | Array | None, process: SwungAtOnce | None) -> NDArray[np.bool_]:
+        """Which of the next n steps may be swung at once: motors are where they are to be, and gears alone give way."""
+        own, state = self.robot.controller, self._state
+        none = np.zeros(n, dtype=bool)
+        if own.law != "placed" or own.aims or (callable(couple) and process is None) or not self._drives.gear.any():
+            return none
+        if self._spell == 0 and np.abs(state.theta - state.sag - self._aim.q1).max() > LATE:
+            self._spell = SPELL
+        swung = none if process is None else process.swung
+        if process is None:
+            swung[:] = True
+        swung[: self._spell] = False
+        return swung
+
+    def _by_steps(self, commands: Array, couple: Couple | Array | None) -> WorldSteps:
+        """The steps one by one."""
         from gcodesim.world.foresight_kernels import DriveOutcome
 
-        commands = self._commands(q_command)
-        swung = self._swung(commands, couple)
-        if swung is not None:
-            return swung
         n, j = commands.shape
         self._wound = self._wound if n == 0 else None
         outcome = DriveOutcome(np.empty((n, j)), np.empty((n, j)), np.empty((n, j)), np.zeros((n, j), dtype=np.int64))
         wrench = np.zeros((n, 6))
         if couple is not None and not callable(couple):
-            wrench[:] = wrench_rows(couple, 0, commands)
+            wrench[:] = couple
         ask = couple if callable(couple) else None
         own = self.robot.controller
         if ask is None and not own.aims and own.law != "given":
@@ -175,20 +239,12 @@ class DrivenWorld(WorldBase):
             self._wrench[:] = wrench[-1]
         return self._told(outcome, wrench)
 
-    def _swung(self, commands: Array, couple: Couple | Array | None) -> WorldSteps | None:
-        """The steps in one call, while motors are where they are to be and gears alone give way.
-
-        None where that is not so: nothing has changed, and the steps go one by one.
-        """
+    def _swing(self, commands: Array, couple: Couple | Array | None, process: SwungAtOnce | None) -> WorldSteps | int:
+        """The steps in one call; or how many of the first could be, where a motor cannot: nothing has changed then."""
         from gcodesim.world.foresight_kernels import DriveOutcome
         from gcodesim.world.swinging import Swinging
 
-        own, state, n = self.robot.controller, self._state, len(commands)
-        process = cast("SwungAtOnce", couple) if hasattr(couple, "swing") else None
-        if own.law != "placed" or own.aims or not n or (callable(couple) and process is None):
-            return None
-        if not self._drives.gear.any() or np.abs(state.theta - state.sag - self._aim.q1).max() > LATE:
-            return None
+        state = self._state
         swinging = Swinging(self._drives, self._body, self.dt, self._parts)
         y = self._wound
         if y is None:
@@ -200,15 +256,16 @@ class DrivenWorld(WorldBase):
         else:
             wrench = swinging.under(None if callable(couple) else couple)
         if wrench is None:
-            return None
-        if not swinging.motors_can(wrench):
+            return 0
+        enough = swinging.motors_can(wrench)
+        if enough < len(commands):
             if process is not None:
                 undo()
-            return None
+            return enough
         swinging.leave(state, self._aim, self._mean)
         self._wound = swinging.swings.winds[-1].copy()
         self._placed()
-        self._steps += n
+        self._steps += len(commands)
         self._wrench[:] = wrench[-1]
         full = np.zeros(commands.shape, dtype=np.int64)
         return self._told(DriveOutcome(swinging.links, commands, swinging.effort, full), wrench)

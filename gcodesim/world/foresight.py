@@ -54,7 +54,7 @@ class Foresight:
         j = len(limit)
         zero = np.zeros(j)
         self._dt, self._body, self._room = dt, links_of(chain, tool, gravity_B), room_of(j, 1)
-        self._drives = Drives(PLACED, zero, zero, zero, np.array(limit, dtype=float), zero, zero, zero, zero)
+        self._drives = Drives(PLACED, zero, zero, zero, np.array(limit, dtype=float), zero, zero, zero, zero, False)
 
     def of(self, q: Array, qd: Array, before: Array, command: Array, wrench: Array) -> tuple[Array, Array, Array]:
         """For joints at `q`, `qd` (j,), commanded from `before` to `command`, with `wrench` (6,) in the step before.

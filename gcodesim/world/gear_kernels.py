@@ -4,6 +4,9 @@ With e how far links are off their motors, besides what gravity winds up (Spong 
 
     M e'' + D e' + K e = J' F - M theta'' - (h - g)
 
+A control that turns its motors further by what its motion winds up in the gears leaves K e + D e' = J' F of that: then
+e is what the process alone does.
+
 M, h and J are those of the middle of a step, in which the acceleration of the motors changes linearly. A small part of
 it is made by the L-stable diagonally implicit method of second order (Alexander 1977), which bears any stiffness. Two
 such parts, one after the other, are again a linear map; so a part is doubled until it is the step, which costs a
@@ -34,17 +37,24 @@ GAMMA = 1.0 - 0.5 * np.sqrt(2.0)
 
 
 class MotorWay(NamedTuple):
-    """What motors do in n steps: q (n + 1, j) at the ends of steps, the beginning first; speeds `qd` (n + 1, j)."""
+    """What motors do in n steps: q (n + 1, j) at the ends of steps, the beginning first; speeds `qd` (n + 1, j).
+
+    `before` (j,) is the mean speed of the step before them.
+    """
 
     q: Array
     qd: Array
+    before: Array
 
 
 class StepLoads(NamedTuple):
-    """What torques of motors follow from: mass (n, j, j) of the links, and `weight` (n, j), gravity alone."""
+    """What torques of motors follow from: mass (n, j, j) of the links, and torques `known` (n, j) to the control.
+
+    By these it turns its motors against their gears: gravity, and those of the motion where it feeds them forward.
+    """
 
     mass: Array
-    weight: Array
+    known: Array
 
 
 class GearRoom(NamedTuple):
@@ -174,14 +184,20 @@ def fill_swings(
         for i in range(joints):
             total = room.static[i] - room.bias[i]
             for c in range(joints):
-                total -= room.mass[i, c] * (motors.qd[k + 1, c] - motors.qd[k, c]) / dt
                 loads.mass[k, i, c] = room.mass[i, c]
-            swings.drive[k, i], loads.weight[k, i] = total, room.static[i]
+                if drives.ahead:
+                    mean = (motors.q[k + 1, c] - motors.q[k, c]) / dt
+                    last = (motors.q[k, c] - motors.q[k - 1, c]) / dt if k > 0 else motors.before[c]
+                    total -= room.mass[i, c] * (mean - last) / dt
+                else:
+                    total -= room.mass[i, c] * (motors.qd[k + 1, c] - motors.qd[k, c]) / dt
+            loads.known[k, i] = room.static[i] - total if drives.ahead else room.static[i]
+            swings.drive[k, i] = 0.0 if drives.ahead else total
             for c in range(6):
                 swings.tip[k, c, i] = room.jacobian[c, i]
         for i in range(joints):
             maps.slope[i] = 0.0
-            for c in range(joints):
+            for c in range(0 if drives.ahead else joints):
                 ends = motors.qd[k + 1, c] + motors.qd[k, c]
                 change = 6.0 * ends - 12.0 * (motors.q[k + 1, c] - motors.q[k, c]) / dt
                 maps.slope[i] -= room.mass[i, c] * change / dt
@@ -195,16 +211,19 @@ def fill_swings(
 @kernel
 def motor_efforts(
     motors: MotorWay, drives: Drives, swings: Swings, loads: StepLoads, wrench: Array, effort: Array
-) -> bool:
-    """Mean torques (n, j) of the motors under wrenches (n, 6); whether all can give them, also at the ends of steps."""
+) -> int:
+    """Mean torques (n, j) of the motors under wrenches (n, 6).
+
+    Returns in how many of the first steps all can give them, also at the ends of steps.
+    """
     n, joints = effort.shape
-    enough = True
+    enough = n
     for k in range(n):
         for i in range(joints):
             turn = (motors.qd[k + 1, i] - motors.qd[k, i]) / swings.dt
             mean = (motors.q[k + 1, i] - motors.q[k, i]) / swings.dt
-            rotor = drives.rotor[i] * turn + friction_of(i, drives, mean) * mean
-            shaft = loads.weight[k, i] - swings.drive[k, i]
+            rotor = (0.0 if drives.ahead else drives.rotor[i] * turn) + friction_of(i, drives, mean) * mean
+            shaft = loads.known[k, i] - swings.drive[k, i]
             for c in range(6):
                 shaft -= swings.tip[k, c, i] * wrench[k, c]
             for c in range(joints):
@@ -213,8 +232,8 @@ def motor_efforts(
             effort[k, i] = shaft + rotor
             end = shaft
             if drives.gear[i] > 0.0:
-                end = loads.weight[k, i] - drives.gear[i] * swings.winds[k, i]
+                end = loads.known[k, i] - drives.gear[i] * swings.winds[k, i]
                 end -= drives.gear_damping[i] * swings.winds[k, joints + i]
             if max(abs(effort[k, i]), abs(end + rotor)) > drives.limit[i]:
-                enough = False
+                enough = min(enough, k)
     return enough

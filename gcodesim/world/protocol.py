@@ -10,7 +10,7 @@ look into the next window, and no number depends on how a run is split into wind
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Final, Protocol
 
 import numpy as np
@@ -41,11 +41,30 @@ class Reacting(Protocol):
         """
 
 
+class NotAtOnce(Exception):  # noqa: N818  (it is no error)
+    """The first steps have to be run alone, `after` of them; nothing has happened.
+
+    How a run is cut into windows may not matter, so this is decided from step to step.
+    """
+
+    def __init__(self, after: int) -> None:
+        super().__init__(after)
+        self.after = after
+
+
 class SwungAtOnce(Protocol):
     """A process that can tell about many steps of a machine whose gears swing at once.
 
     A world may ask `swing` in place of all `react`. None: it cannot, and nothing has happened.
     """
+
+    @property
+    def divisible(self) -> bool:
+        """Whether its steps may be run in parts; where not, a world never raises `NotAtOnce`."""
+
+    @property
+    def swung(self) -> NDArray[np.bool_]:
+        """In which steps (n,) `swing` can tell."""
 
     def swing(self, swings: Swings) -> Array | None:
         """The wrenches (n, 6) on the tool at the tip, base axes; the winds of `swings` are filled."""
@@ -93,6 +112,16 @@ class WorldSteps:
             gear=None if self.gear is None else self.gear[steps],
         )
 
+    @staticmethod
+    def joined(parts: Sequence[WorldSteps]) -> WorldSteps:
+        """One after another; at least one, all of one world."""
+        if len(parts) == 1:
+            return parts[0]
+        names = ["q", "qd", "qdd", "effort", "saturated", "reaction"]
+        if parts[0].gear is not None:
+            names.append("gear")
+        return WorldSteps(**{name: np.concatenate([getattr(part, name) for part in parts]) for name in names})
+
 
 class World(Protocol):
     """A robot that obeys joint commands; one of WORLDS."""
@@ -133,6 +162,8 @@ class World(Protocol):
         array (n, 6) when it is known beforehand, or None for no wrench. The
         kinematic world calls the function once with all rows, `bullet` once a
         step, in order, with the position that the step is expected to reach.
+
+        Raises `NotAtOnce` with a `SwungAtOnce` whose first steps go another way than the others.
         """
 
     def keeps_up(self, q_command: Array, wrench: Array) -> bool:

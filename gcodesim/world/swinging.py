@@ -42,7 +42,7 @@ class Swinging:
         means = np.concatenate([mean[None], np.diff(q, axis=0) / self._dt])
         self._mean: Array = means[-1]
         speeds = means[1:] + 0.5 * np.diff(means, axis=0)
-        self._motors: MotorWay = MotorWay(q, np.concatenate([aim.v1[None], speeds]))
+        self._motors: MotorWay = MotorWay(q, np.concatenate([aim.v1[None], speeds]), means[0])
         self.swings = Swings(
             dt=self._dt,
             keep=np.empty((n, 2 * j, 2 * j)),
@@ -76,19 +76,19 @@ class Swinging:
         links: Array = self._motors.q[1:] + self.swings.winds[:, : self._motors.q.shape[1]]
         return links
 
-    def motors_can(self, wrench: Array) -> bool:
-        """Whether no motor reaches its limit under the wrenches (n, 6) that have acted."""
+    def motors_can(self, wrench: Array) -> int:
+        """In how many of the first steps no motor reaches its limit under the wrenches (n, 6) that have acted."""
         from gcodesim.world.gear_kernels import motor_efforts
 
         self.effort = np.empty(self._motors.q[1:].shape)
-        return bool(motor_efforts(self._motors, self._drives, self.swings, self._loads, wrench, self.effort))
+        return int(motor_efforts(self._motors, self._drives, self.swings, self._loads, wrench, self.effort))
 
     def leave(self, state: DriveState, aim: Aim, mean: Array) -> None:
         """Bring what a world keeps to the end of the last step."""
-        q, qd = self._motors
+        q, qd, _ = self._motors
         j = q.shape[1]
         gear = self._drives.gear
-        state.sag[:] = np.where(gear > 0.0, self._loads.weight[-1] / np.where(gear > 0.0, gear, 1.0), 0.0)
+        state.sag[:] = np.where(gear > 0.0, self._loads.known[-1] / np.where(gear > 0.0, gear, 1.0), 0.0)
         state.theta[:], state.thetad[:] = q[-1] + state.sag, qd[-1]
         state.q[:], state.qd[:] = q[-1] + self.swings.winds[-1, :j], qd[-1] + self.swings.winds[-1, j:]
         aim.q0[:], aim.v0[:], aim.q1[:], aim.v1[:] = q[-2], qd[-2], q[-1], qd[-1]

@@ -157,7 +157,7 @@ CODES: tuple[Code, ...] = (
         title="Cut that chatters on the gears of its arm",
         what="In more than a tenth of the steps of 0.4 s of cutting or more the tip of the tool goes back against its "
         "command, since the links of the arm swing on the springs of their gears and the cut feeds the swing (mode "
-        "coupling: Pan, Zhang, Zhu and Wang 2006). It is looked for with a `controller` "
+        "coupling: Pan, Zhang, Zhu and Wang 2006). It is looked for in `bullet`, and with a `controller` "
         "in the cell: gears without mass do not swing.",
         why="The wall gets waves, edges break, and the gears are shaken.",
         remedy="Cut less deep or less wide, stand the arm where it is stiffer, or give measured values as `stiffness` "
