@@ -37,12 +37,15 @@ def arm(controller: str, material: str = "al6082_t6", diameter: float = 8.0) -> 
 def test_a_settled_cut_bends_moving_gears_as_it_bends_those_without_mass(tmp_path: Path) -> None:
     """Force and bend of the second half of a slot, where nothing changes any more: J K^-1 J' F to 1 %."""
     found = {}
-    for controller in ("", "flexible"):
-        ran = run_texts(SLOT.format(depth=2, feed=900), arm(controller), tmp_path / f"out{controller}")
+    for controller in ("ideal", "flexible", ""):
+        ran = run_texts(
+            SLOT.format(depth=2, feed=900), arm(controller), tmp_path / f"out{controller}", world="bullet"
+        )
         accuracy = ran.results.path_accuracy
         assert accuracy is not None
         found[controller] = (ran.stock.removed, accuracy["rms_mm"])
-    assert found["flexible"] == pytest.approx(found[""], rel=0.01)
+    assert found["flexible"] == pytest.approx(found["ideal"], rel=0.01)
+    assert found[""] == pytest.approx(found["ideal"], rel=0.01)
 
 
 def test_a_cut_that_is_too_heavy_does_not_fling_the_arm_about() -> None:
@@ -51,12 +54,40 @@ def test_a_cut_that_is_too_heavy_does_not_fling_the_arm_about() -> None:
     Chips are those of the way that the tip really takes. With chips of the command, a force that nothing made
     pulled the arm away, by 40 mm.
     """
-    ran = run_texts(SLOT.format(depth=8, feed=2000), arm("", "al7075_t6_a", 12.0), world="bullet")
+    ran = run_texts(SLOT.format(depth=8, feed=2000), arm("ideal", "al7075_t6_a", 12.0), world="bullet")
     accuracy = ran.results.path_accuracy
 
     assert "GS230" in {finding.code for finding in ran.results.findings}
     assert accuracy is not None and accuracy["AT_mm"] < 3.0
     assert ran.results.tools[0]["max_force_N"] < 900.0
+
+
+HELD: dict[str, str] = {"20 ms": "log: {period: 20 ms}\n", "1 s": "log: {period: 1 s}\n"}
+
+
+def test_motors_at_their_limit_and_gears_that_move_do_not_ask_how_a_run_is_divided(tmp_path: Path) -> None:
+    """The same slot with gears as `bullet` has them. Joint 3 cannot hold the arm, which sinks into the material.
+
+    The period of the log divides the run into windows of other lengths. Where a motor came to its limit, the whole
+    window was done again in another way; and forces had a share of those of the last cut that was tried.
+    """
+    told = {}
+    for period, log in HELD.items():
+        cell = arm("", "al7075_t6_a", 12.0) + log
+        results = run_texts(SLOT.format(depth=8, feed=2000), cell, tmp_path / period[:2], world="bullet").results
+        assert {"GS230", "GS518"} <= {finding.code for finding in results.findings}
+        removed = {name: stock.removed for name, stock in results.stocks.items()}
+        told[period] = (results.path_accuracy, results.tools, results.joints, removed)
+    first, second = told.values()
+    assert first == second
+
+
+def test_an_arm_that_its_motors_cannot_hold_stays_behind_its_command_and_no_more() -> None:
+    """Of 40 mm it lacks at most those. With rotors that weigh nothing it was thrown about, by 150 mm."""
+    ran = run_texts(SLOT.format(depth=8, feed=2000), arm("", "al7075_t6_a", 12.0), world="bullet")
+    accuracy = ran.results.path_accuracy
+    assert accuracy is not None and accuracy["AT_mm"] < 40.0
+    assert ran.results.tools[0]["max_force_N"] < 1500.0
 
 
 def test_moving_gears_bear_a_bore_that_gears_without_mass_bear(tmp_path: Path) -> None:
@@ -66,13 +97,13 @@ def test_moving_gears_bear_a_bore_that_gears_without_mass_bear(tmp_path: Path) -
         "G3 X20 Y30 Z-9 I-4 J0 P3 F900\nG0 Z20\nM5\nM30\n"
     )
     force, error = {}, {}
-    for controller in ("", "flexible"):
+    for controller in ("ideal", "flexible"):
         ran = run_texts(program, arm(controller), tmp_path / f"out{controller}")
         accuracy = ran.results.path_accuracy
         assert accuracy is not None
         force[controller], error[controller] = ran.results.tools[0]["max_force_N"], accuracy["AT_mm"]
-    assert force["flexible"] < 1.2 * force[""]
-    assert error["flexible"] < 1.2 * error[""]
+    assert force["flexible"] < 1.2 * force["ideal"]
+    assert error["flexible"] < 1.2 * error["ideal"]
 
 
 def test_a_deep_bore_weighs_on_moving_gears_no_more_than_on_those_without_mass(tmp_path: Path) -> None:
@@ -86,7 +117,7 @@ def test_a_deep_bore_weighs_on_moving_gears_no_more_than_on_those_without_mass(t
         "G3 X20 Y30 Z-18 I-4 J0 P7 F900\nG0 Z20\nM5\nM30\n"
     )
     force = {}
-    for controller in ("", "flexible, gear_damping: 8 ms"):
+    for controller in ("ideal", "flexible, gear_damping: 8 ms"):
         ran = run_texts(program, arm(controller), tmp_path / f"out{len(controller)}")
         wrench = np.linalg.norm(ran.column("/wrench", "force.x", "force.y"), axis=1)
         deep = ran.column("/motion", "z_m")[:, 0] < -9.0 * MM

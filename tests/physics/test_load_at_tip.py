@@ -89,6 +89,7 @@ def test_a_cut_is_deeper_by_what_the_arm_yields(tmp_path: Path, world: str) -> N
     """A constant load bends the arm by C F; the slot is deeper by that, less what the cutting force changes.
 
     0.17 mm more of a depth of 1 mm is a sixth more of a force of 60 N, of which a part is against 80 N: at most 12 %.
+    In bullet the load comes at once to gears that swing: they go farther at first, and the floor keeps the deepest.
     """
     found = {}
     for name, load in (("free", ""), ("loaded", LOAD)):
@@ -111,7 +112,7 @@ def test_a_cut_is_deeper_by_what_the_arm_yields(tmp_path: Path, world: str) -> N
 
     assert 20e-6 < bent < 500e-6
     area = (20.0 * 6.0 + 0.5 * np.pi * 9.0) * 1e-6
-    assert 1e-9 * (volumes[1] - volumes[0]) == pytest.approx(bent * area, rel=0.12)
+    assert 1e-9 * (volumes[1] - volumes[0]) == pytest.approx(bent * area, rel=0.12 if world == "kinematic" else 0.2)
 
 
 def test_a_program_switches_and_scales_it(tmp_path: Path) -> None:

@@ -1,4 +1,4 @@
-"""A KR 10 that gives way under its cut: floors and walls of whole runs against J K⁻¹ Jᵀ F."""
+"""A KR 10 whose gears give way at once under its cut: floors and walls of whole runs against J K⁻¹ Jᵀ F."""
 
 from __future__ import annotations
 
@@ -22,6 +22,7 @@ robots:
     model: kuka_kr10_r1100_2
     home: [0, -90, 90, 0, 90, 0]
     stiffness: {stiffness}
+    controller: {{type: ideal}}
     payload: {{mass: 3 kg, xyz: [0, 0, 60]}}
 frames:
   table: {{in: world, xyz: [550, 100, 300]}}

@@ -165,3 +165,31 @@ def test_motors_at_their_limit_go_step_by_step_and_come_back() -> None:
     assert not after.saturated[-100:].any()
     last = world.run(np.tile(rest, (50, 1)))
     assert last.gear is not None and np.abs(last.gear).max() < 1e-6
+
+
+@pytest.mark.parametrize("world", list(WORLDS))
+def test_where_the_control_knows_its_motion_links_go_by_the_command_and_joints_feel_what_rigid_ones_do(
+    world: str,
+) -> None:
+    """Motors wind up their gears by what the motion takes, so nothing is left that would make links swing."""
+    ahead = RobotBody(chain=machines.machine("kr10"), stiffness=GEARS, controller=Flexible(feed_forward=True))
+    rigid = RobotBody(chain=machines.machine("kr10"))
+    q = machines.swing(ahead.chain, 200, 0.3)
+    found, plain = opened(ahead, world=world).run(q), opened(rigid, world="kinematic").run(q)
+
+    assert found.gear is not None and np.abs(found.gear).max() < 1e-12
+    assert np.abs(found.effort - plain.effort).max() < 2e-3 * np.abs(plain.effort).max()
+
+
+def test_a_motor_at_its_limit_is_one_however_the_steps_are_divided() -> None:
+    """Steps go one by one while a motor is at its limit, and not because some later one of the same call is."""
+    body = robot(effort=(200.0, 120.0, 60.0, 20.0, 20.0, 10.0))
+    rest = np.tile(machines.rest(body.chain), (300, 1))
+    load = np.zeros((300, 6))
+    load[120:150, 2] = -300.0
+    whole = opened(body).run(rest, load)
+    world = opened(body)
+    parts = [world.run(rest[k : k + 7], load[k : k + 7]) for k in range(0, 300, 7)]
+    assert whole.saturated.any() and not whole.saturated[:100].any()
+    for name in ("q", "qd", "effort", "gear", "saturated"):
+        assert np.array_equal(getattr(whole, name), np.concatenate([getattr(part, name) for part in parts])), name
