@@ -72,9 +72,7 @@ class Coupling:
         self._bend(steps, begin, end, stints)
         return self._made(tasks, steps, begin, end, stints)
 
-    def _made(
-        self, tasks: Sequence[Task], steps: StepWindow, begin: int, end: int, stints: list[Stint]
-    ) -> Stretch:
+    def _made(self, tasks: Sequence[Task], steps: StepWindow, begin: int, end: int, stints: list[Stint]) -> Stretch:
         swings = sum(task.process.pushes for task in tasks) < 2
         return Stretch(self._plan, steps, begin, end, stints, partial(self._part, tasks, steps), swings=swings)
 

@@ -187,7 +187,7 @@ class DrivenWorld(WorldBase):
             if process.divisible:
                 raise NotAtOnce(same)
             at_once, same = False, n
-        commands, couple = commands[:same], couple if couple is None or callable(couple) else couple[:same]
+        commands, couple = commands[:same], _rows(couple, same)
         if at_once:
             done = self._swing(commands, couple, process)
             if isinstance(done, WorldSteps):
@@ -197,7 +197,7 @@ class DrivenWorld(WorldBase):
             if 0 < done < same and (process is None or process.divisible):
                 if process is not None:
                     raise NotAtOnce(done)
-                return self._first(commands[:done], None if couple is None else couple[:done])
+                return self._first(commands[:done], _rows(couple, done))
             self._spell = SPELL
             return self._first(commands, couple)
         self._spell = max(self._spell - same, 0)
@@ -206,14 +206,11 @@ class DrivenWorld(WorldBase):
     def _swung_steps(self, n: int, couple: Couple | Array | None, process: SwungAtOnce | None) -> NDArray[np.bool_]:
         """Which of the next n steps may be swung at once: motors are where they are to be, and gears alone give way."""
         own, state = self.robot.controller, self._state
-        none = np.zeros(n, dtype=bool)
         if own.law != "placed" or own.aims or (callable(couple) and process is None) or not self._drives.gear.any():
-            return none
+            return np.zeros(n, dtype=bool)
         if self._spell == 0 and np.abs(state.theta - state.sag - self._aim.q1).max() > LATE:
             self._spell = SPELL
-        swung = none if process is None else process.swung
-        if process is None:
-            swung[:] = True
+        swung = np.ones(n, dtype=bool) if process is None else process.swung
         swung[: self._spell] = False
         return swung
 
@@ -414,6 +411,11 @@ def _per_joint(values: tuple[float, ...], count: int) -> Array:
     if not values:
         return np.zeros(count)
     return np.full(count, values[0]) if len(values) == 1 else np.array(values, dtype=float)
+
+
+def _rows(couple: Couple | Array | None, count: int) -> Couple | Array | None:
+    """The first rows of wrenches that are known; any other couple as it is."""
+    return couple[:count] if isinstance(couple, np.ndarray) else couple
 
 
 def _answer(values: Array, count: int, who: str) -> Array:

@@ -236,4 +236,4 @@ def motor_efforts(
                 end -= drives.gear_damping[i] * swings.winds[k, joints + i]
             if max(abs(effort[k, i]), abs(end + rotor)) > drives.limit[i]:
                 enough = min(enough, k)
-    return enough
+    return int(enough)

@@ -38,9 +38,7 @@ def test_a_settled_cut_bends_moving_gears_as_it_bends_those_without_mass(tmp_pat
     """Force and bend of the second half of a slot, where nothing changes any more: J K^-1 J' F to 1 %."""
     found = {}
     for controller in ("ideal", "flexible", ""):
-        ran = run_texts(
-            SLOT.format(depth=2, feed=900), arm(controller), tmp_path / f"out{controller}", world="bullet"
-        )
+        ran = run_texts(SLOT.format(depth=2, feed=900), arm(controller), tmp_path / f"out{controller}", world="bullet")
         accuracy = ran.results.path_accuracy
         assert accuracy is not None
         found[controller] = (ran.stock.removed, accuracy["rms_mm"])
