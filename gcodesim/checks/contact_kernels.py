@@ -88,6 +88,7 @@ def end_on(p: int, k: int, start: float, level: float, is_first: bool, search: P
     here = start
     step = FIRST_STEP * left if is_first else LATER_STEP * left
     while here < 1.0:
+        step = max(step, SAME)  # a contact may begin so near to the end of the stretch that nothing is left to halve
         here = 1.0 if here + step >= 1.0 else here + step
         look_in(p, k, here, search)
         stays_from = level - way * (1.0 - here)
