@@ -67,6 +67,16 @@ def test_a_stay_in_a_body_over_many_stretches_is_one_meeting() -> None:
     assert 120 <= meeting.last <= 121
 
 
+@pytest.mark.parametrize("more", [0.0, 1e-13, 3e-13, 1e-12, 1e-11])
+def test_a_clearance_that_is_reached_at_the_very_end_of_a_stretch_is_kept_from_there(more: float) -> None:
+    """Steps in which its end was looked for were halves of what is left of the stretch, which is nothing."""
+    wall = body("wall", Box.about_origin((0.01, 0.1, 0.1)), (0.5, 0.0, 0.0))
+    way = JointWay.straight(np.array([[0.0], [0.489 + more], [0.4895], [0.4895]]))
+    (meeting,) = pair_of(ALONG_X, BALL, wall).search(way, level=5e-3)
+    assert meeting.stretch + meeting.share == pytest.approx(1.0, abs=1e-6)
+    assert meeting.gap == pytest.approx(4.5e-3, abs=1e-6)
+
+
 def test_what_only_slides_on_a_face_does_not_meet() -> None:
     table = body("table", Box.about_origin((2.0, 2.0, 0.1)), (0.0, 0.0, -0.051))
     assert pair_of(ALONG_X, BALL, table).search(JointWay.straight(np.array([[-0.5], [0.5]]))) == []
