@@ -232,6 +232,8 @@ _PRINTER: Final = {
     "M109": "heat the nozzle to S, and wait",
     "M110": "set the line number",
     "M112": "emergency stop",
+    "M98": 'go through the macro file P"…"',
+    "M99": "return from the macro file",
     "M117": "show a text",
     "M118": "send a text to the host",
     "M140": "heat the bed to S, and go on",
