@@ -73,8 +73,8 @@ class Coupling:
         return self._made(tasks, steps, begin, end, stints)
 
     def _made(self, tasks: Sequence[Task], steps: StepWindow, begin: int, end: int, stints: list[Stint]) -> Stretch:
-        swings = sum(task.process.pushes for task in tasks) < 2
-        return Stretch(self._plan, steps, begin, end, stints, partial(self._part, tasks, steps), swings=swings)
+        alone = sum(task.process.pushes for task in tasks) < 2
+        return Stretch(self._plan, steps, begin, end, stints, partial(self._part, tasks, steps), pushes_alone=alone)
 
     def _stints(self, tasks: Sequence[Task], steps: StepWindow, begin: int, end: int) -> list[Stint]:
         def jacobian() -> Array:
@@ -118,7 +118,7 @@ class Stretch:
     """Consecutive steps with one tool; itself the function that a world calls.
 
     `watch` looks at what else of the machine comes to stocks, and `seen` is what it saw in these steps. `again` makes
-    a stretch of some of the steps. `swings`: no two processes push, wherever the tool is.
+    a stretch of some of the steps. `pushes_alone`: no two processes push, wherever the tool is.
     """
 
     def __init__(
@@ -130,10 +130,10 @@ class Stretch:
         stints: list[Stint],
         again: Callable[[int, int], Stretch],
         *,
-        swings: bool,
+        pushes_alone: bool,
     ) -> None:
         self._plan, self._steps, self._again = plan, steps, again
-        self.begin, self.end, self.stints, self.swings = begin, end, stints, swings
+        self.begin, self.end, self.stints, self.pushes_alone = begin, end, stints, pushes_alone
         self.watch: StockWatch | None = None
         self.seen: Sighting | None = None
 
@@ -223,7 +223,7 @@ class Stretch:
     def swung(self) -> NDArray[np.bool_]:
         """In which steps (n,) `swing` can tell."""
         pushing = [stint for stint in self.stints if stint.task.process.pushes]
-        return pushing[0].swung if self.swings and pushing else np.full(len(self), self.swings)
+        return pushing[0].swung if self.pushes_alone and pushing else np.full(len(self), self.pushes_alone)
 
     def swing(self, swings: Swings) -> Array | None:
         """What the tool feels (n, 6) in all steps of a machine whose gears swing as `swings`, base axes, tell.

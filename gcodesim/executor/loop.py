@@ -244,7 +244,7 @@ def _move(track: Track, cutter: CutThread, cut: WindowCut, following: WindowCut 
     while (index := index + 1) < len(cut.stretches):
         stretch = cut.stretches[index] if world.keeps_to_command else cut.ready(index)
         q = cut.window.q[stretch.begin : stretch.end]
-        if not stretch.pushes and (world.keeps_to_command or stretch.swings):
+        if not stretch.pushes and (world.keeps_to_command or stretch.pushes_alone):
             if not world.keeps_to_command:  # what nobody feels goes by the command
                 follows = False
                 stretch.finish()

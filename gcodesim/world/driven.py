@@ -37,6 +37,7 @@ SPELL: Final = 16
 """Where a motor reaches its limit, so many steps go one by one; then it is asked again whether all can be swung."""
 
 LONGEST: Final = 1 << 30
+"""So many steps are tried at once as long as no motor has reached its limit: more than any window has."""
 
 USUAL_ROTOR: Final = 500.0
 """[rad/s², m/s²] with which a motor at its limit accelerates itself, where nobody says how heavy its rotor is."""

@@ -4,8 +4,8 @@ With e how far links are off their motors, besides what gravity winds up (Spong 
 
     M e'' + D e' + K e = J' F - M theta'' - (h - g)
 
-A control that turns its motors further by what its motion winds up in the gears leaves K e + D e' = J' F of that: then
-e is what the process alone does.
+A control that turns its motors further by what their motion winds up in the gears leaves J' F alone on the right: then
+e is what the process does.
 
 M, h and J are those of the middle of a step, in which the acceleration of the motors changes linearly. A small part of
 it is made by the L-stable diagonally implicit method of second order (Alexander 1977), which bears any stiffness. Two
