@@ -7,6 +7,10 @@ STAMP := $(VENV)/.installed
 PIP := $(BIN)/python -m pip --quiet --disable-pip-version-check
 LIBRARIES := build/libraries
 
+# Byte code is kept, whatever the user's shell says: without it each of the thousands of processes that tests start
+# would compile numpy's and numba's sources anew, which is half of its time.
+unexport PYTHONDONTWRITEBYTECODE
+
 .PHONY: browser shells demo docs test test-slow lint bench setup wheel clean
 
 setup: $(STAMP)

@@ -35,7 +35,12 @@ def compile_all(
     ahead = list(reversed(signatures))
     answers: SimpleQueue[tuple[str, str]] = SimpleQueue()
     done: dict[str, str] = {}
-    with _workers(min(len(ahead), _room()), [level, objects, *sys.path]) as workers:
+    with _workers([level, objects, *sys.path]) as start:
+        workers = [start()]
+        count = min(len(ahead), _room())
+        if count > 1:  # one compiles the last, a short one, alone, and the others find the byte code of numba made
+            _hand_over(workers[0], ahead.pop(0), answers)
+            workers += [start() for _ in range(1, count)]
         threads = [Thread(target=_hand_out, args=(worker, ahead, answers), daemon=True) for worker in workers]
         for thread in threads:
             thread.start()
@@ -52,35 +57,39 @@ def compile_all(
 
 def _hand_out(worker: subprocess.Popen[str], ahead: list[str], answers: SimpleQueue[tuple[str, str]]) -> None:
     """Give one process one kernel after another, until none is left."""
+    with suppress(IndexError):  # there is nothing left
+        while _hand_over(worker, ahead.pop(), answers):
+            pass
+
+
+def _hand_over(worker: subprocess.Popen[str], signature: str, answers: SimpleQueue[tuple[str, str]]) -> bool:
+    """Have a process compile one kernel; returns whether it can compile more."""
     assert worker.stdin is not None and worker.stdout is not None
-    with suppress(OSError, ValueError, IndexError):  # it has ended, or there is nothing left
-        while True:
-            signature = ahead.pop()
-            worker.stdin.write(f"{signature}\n")
-            worker.stdin.flush()
-            answer = worker.stdout.readline()
-            answers.put((signature, answer.strip() if answer else "the compiler ended"))
-            if not answer:
-                return
+    answer = ""
+    with suppress(OSError, ValueError):  # it has ended
+        worker.stdin.write(f"{signature}\n")
+        worker.stdin.flush()
+        answer = worker.stdout.readline()
+    answers.put((signature, answer.strip() if answer else "the compiler ended"))
+    return bool(answer)
 
 
 @contextmanager
-def _workers(count: int, arguments: list[str]) -> Iterator[list[subprocess.Popen[str]]]:
+def _workers(arguments: list[str]) -> Iterator[Callable[[], subprocess.Popen[str]]]:
+    """A function that starts a process; all of them end with the block."""
     workers: list[subprocess.Popen[str]] = []
     command = [sys.executable, "-P", "-c", _PROGRAM, *arguments]
+
+    def start() -> subprocess.Popen[str]:
+        pipe = subprocess.PIPE
+        worker = subprocess.Popen(
+            command, stdin=pipe, stdout=pipe, stderr=subprocess.DEVNULL, text=True, encoding="utf-8"
+        )
+        workers.append(worker)
+        return worker
+
     try:
-        for _ in range(count):
-            workers.append(
-                subprocess.Popen(
-                    command,
-                    stdin=subprocess.PIPE,
-                    stdout=subprocess.PIPE,
-                    stderr=subprocess.DEVNULL,
-                    text=True,
-                    encoding="utf-8",
-                )
-            )
-        yield workers
+        yield start
     finally:
         for worker in workers:
             worker.kill()
