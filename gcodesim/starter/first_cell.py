@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Final
+from typing import Final, cast
 
 from gcodesim.canon.systems import name_of_system
 from gcodesim.diagnostics import SourceText
@@ -46,7 +46,8 @@ class FirstTool:
 
     @property
     def length(self) -> float:
-        return usual_length(self.diameter)
+        other = self.scanned.other
+        return usual_length(self.diameter) if other is None else other.length
 
 
 def cell_for(program: SourceText) -> bytes:
@@ -83,6 +84,9 @@ def _tools(found: Scan, seen: Survey) -> list[FirstTool]:
         use = seen.uses.get(tool.number) or (seen.uses.get(0) if not seen.changes else None)
         if use is not None and use.makes_holes and tool.type == "flat_end_mill" and not tool.comment:
             tool = ScannedTool(number=tool.number, line=tool.line, type="drill")
+        if tool.other is not None:
+            tools.append(FirstTool(scanned=tool, diameter=0.0, guessed=True))
+            continue
         if tool.diameter is not None:
             tools.append(FirstTool(scanned=tool, diameter=tool.diameter * unit, guessed=False))
             continue
@@ -176,6 +180,10 @@ class FirstCell:
             lines.append(f"loaded_tool: {number}    # {why}")
         if whole and self.tools and not self.seen.changes and not self.seen.spins:
             checks.append(("GS501: note", "the program never starts the spindle: somebody does it by hand"))
+        switched = {tool.scanned.other.switches for tool in self.tools if tool.scanned.other is not None} - {None}
+        if len(switched) == 1:
+            [(on, off)] = cast(set[tuple[int, int]], switched)
+            lines.append(f"m_codes: {{M{on}: {{tool: activate}}, M{off}: {{tool: deactivate}}}}")
         if self.beam is not None:
             lines += ["loaded_tool: 1", self.beam.switch_line(self.seen.dialect)]
         if checks:
@@ -393,6 +401,7 @@ class FirstCell:
         for tool in self.tools:
             told = tool.scanned
             asked = "; ITS DIAMETER IS A GUESS" if tool.guessed else ""
+            asked = asked if told.other is None else "; OTHER NUMBERS ARE A GUESS"
             source = "nothing says what is in the spindle"
             if told.line or told.number in self.seen.called:
                 source = f"called in line {told.line}" if told.line else "its number is computed"
@@ -405,7 +414,7 @@ class FirstCell:
                 values.append(f"point_angle: {told.point_angle:g} deg")
             if told.angle is not None:
                 values.append(f"angle: {told.angle:g} deg")
-            text = f"{{{', '.join(values)}}}"
+            text = f"{{{', '.join(values) if told.other is None else told.other.keys}}}"
             lines += [f"  # {source}{asked}", f"  {told.number}: {text}"]
             for number, of in self.found.offsets.items():
                 if number == told.number:

@@ -15,6 +15,7 @@ from typing import Final
 
 from gcodesim.diagnostics import SourceText
 from gcodesim.frozen import frozen
+from gcodesim.starter.named_tool import NamedTool, named_tool
 from gcodesim.units import INCH, MM
 
 Triple = tuple[float, float, float]
@@ -85,7 +86,7 @@ _KINDS: Final = (
 
 @frozen
 class ScannedTool:
-    """A tool that the program names; lengths in the program's unit, angle in degrees."""
+    """A tool that the program names; lengths in the program's unit, angle in degrees. `other`: it is no cutter."""
 
     number: int
     line: int
@@ -95,6 +96,12 @@ class ScannedTool:
     point_angle: float | None = None
     angle: float | None = None
     comment: str = ""
+    other: NamedTool | None = None
+
+    @property
+    def is_known(self) -> bool:
+        """Whether the program says enough of it."""
+        return self.diameter is not None or self.other is not None
 
 
 @frozen
@@ -128,9 +135,9 @@ def scan(program: SourceText) -> Scan:
     for number, (note, text) in enumerate(zip(notes, words, strict=True), start=1):
         for match in _TOOL_WORD.finditer(text):
             last = tool = int(match[1])
-            if tool and (tool not in called or called[tool].diameter is None):
+            if tool and (tool not in called or not called[tool].is_known):
                 found = _near(tool, number, notes, words, inch)
-                if tool not in called or found.diameter is not None:
+                if tool not in called or found.is_known:
                     called[tool] = found  # at a later call, what stands beside that one
         for match in _OFFSET_WORD.finditer(text):
             if int(match[1]):
@@ -147,7 +154,7 @@ def scan(program: SourceText) -> Scan:
     if len(called | told) < 2 and (only := _only(notes, inch)) is not None:
         number = next(iter(called | told), only.number)
         known = called.get(number) or told.get(number)
-        if known is None or known.diameter is None:
+        if known is None or not known.is_known:
             told[number] = replace(only, number=number)
     numbers = sorted(called) or sorted(told)
     whole = len(corners) == 2 and all(a < b for a, b in zip(*corners, strict=True))
@@ -181,7 +188,7 @@ def _split(program: SourceText) -> tuple[list[str], list[str]]:
 
 def _better(called: ScannedTool | None, told: ScannedTool | None) -> ScannedTool:
     """A list of tools overrides comments beside the call."""
-    if told is None or (called is not None and told.diameter is None):
+    if told is None or (called is not None and not told.is_known):
         assert called is not None
         return called
     return told
@@ -198,7 +205,7 @@ def _near(tool: int, line: int, notes: list[str], words: list[str], inch: bool) 
         if others or (step and not _OF_A_TOOL.search(note)):
             continue
         found = _tool_of(tool, note, note.strip(" ,;"), at, inch)
-        if found.diameter is not None:
+        if found.is_known:
             return found
     return ScannedTool(number=tool, line=line)
 
@@ -225,6 +232,8 @@ def _tools_of(comment: str, line: int, inch: bool) -> list[ScannedTool]:
 
 def _tool_of(number: int, text: str, comment: str, line: int, inch: bool) -> ScannedTool:
     kind = next((name for word, name in _KINDS if word in text.lower()), "flat_end_mill")
+    if (other := named_tool(text)) is not None:
+        return ScannedTool(number=number, line=line, type=other.kind, comment=comment, other=other)
     diameter = _diameter_of(text, inch)
     corner, point = _CORNER.search(text), _POINT.search(text)
     radius = None if corner is None else float(corner[1])
