@@ -321,7 +321,13 @@ class StockSpec(ShapeKeys):
         example="2.7 g/cm^3",
         quiet=True,
     )
-    resolution: float | None = key(Quantity("length", _GRID), "grid of the stock", default=None, example="0.2 mm")
+    resolution: float | None = key(
+        Quantity("length", _GRID),
+        "grid of the stock",
+        default=None,
+        rule="a 24th of the smallest tool, 0.05 to 0.5 mm; up to 2 mm for large tools with plain edges on large stock",
+        example="0.2 mm",
+    )
     bore: float | None = key(
         Quantity("length", _SIDE), "diameter of the hole of a tube, on a lathe", default=None, example="20 mm"
     )

@@ -174,20 +174,6 @@ def label_rings(lo: Array, hi: Array, number: Ints, mark: Ints) -> None:
                             break
 
 
-@kernel(lean=True)
-def area_steps(lo: Array, hi: Array, number: Ints) -> float:
-    """Sum over neighbouring discs of how much their sections [m²] differ: what z at the middles may miss, over dz/2."""
-    total, before = 0.0, -1.0
-    for j in range(len(number)):
-        area = 0.0
-        for i in range(number[j]):
-            area += hi[j, i] * hi[j, i] - lo[j, i] * lo[j, i]
-        if before >= 0.0:
-            total += abs(area - before)
-        before = area
-    return np.pi * total
-
-
 @kernel
 def columns_along(radii: Array, lo: Array, hi: Array, number: Ints, z: Array) -> tuple[Array, Array, Ints]:
     """Intervals along Z at some distances (m,) from the axis: lo, hi (m, k) [m] and how many of them (m,) are used.

@@ -3,8 +3,7 @@
 Mean wrench over a revolution by the mechanistic model (Altintas 2012, ch. 2) with the engagement read from the
 stock. Simplifications: what run-out and chatter do to the cut is not modelled (`cutter_load` tells of them); tools bend
 only where the cell says what they are made of; chip thickness is that of a circular tooth path; edges below the tip
-centre of a plunging flat end mill are treated like any other edges (kappa = 0, h = feed per tooth); the chisel edge of
-a drill is left out.
+centre of a plunging flat end mill are treated like any other edges (kappa = 0, h = feed per tooth).
 """
 
 from __future__ import annotations

@@ -411,8 +411,9 @@ def touch_cutter(field: Field, start: Array, end: Array, tool: MillingTool) -> t
 
 @kernel(lean=True, inlined=True)
 def depth_of(field: Field, start: Array, end: Array, shape: Shape) -> float:
-    """How deep [m] a part of the tool is in material from `start` to `end`; 0 for a missing part."""
-    return touch_piece(field, start, end, shape)[1] if shape.radius > 0.0 else 0.0
+    """How deep [m] a part of the tool is in material from `start` to `end`; 0 where it is missing or only touches."""
+    depth = touch_piece(field, start, end, shape)[1] if shape.radius > 0.0 else 0.0
+    return depth if depth > LEAST_TOUCH else 0.0
 
 
 @kernel(lean=True, inlined=True)

@@ -10,6 +10,7 @@ before, the force is that of a full turn, without the knocks of an interrupted c
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from functools import cached_property
 from itertools import pairwise
 from math import pi
@@ -30,7 +31,7 @@ from gcodesim.processes.column import (
     TORQUE,
     Column,
 )
-from gcodesim.processes.drill_point import edge_law
+from gcodesim.processes.drill_point import edge_law, edge_pieces
 from gcodesim.processes.protocol import ActsOn, Process
 from gcodesim.processes.signal import PITCH, SPINDLE, SURFACE_SPEED, Signal
 from gcodesim.processes.turning_misuse import turning_findings
@@ -88,6 +89,8 @@ class Turning(Process):
     outline: Array
     cutting: NDArray[np.bool_]
     shank: Array
+    blunt: Array | None = None
+    pressed: Array | None = None
     teeth: int = 1
     behind: int = 0
     law: Law | None = None
@@ -127,7 +130,7 @@ class Turning(Process):
     @cached_property
     def elements(self) -> Array:
         """Elements of the edges; see `turning_kernels.Blade`."""
-        return edge_elements(self.outline, self.cutting)
+        return edge_elements(self.outline, self.cutting, self.blunt, self.pressed)
 
     def run(self, stock: Revolved | None, window: Window, state: ProcessState) -> ProcessStep:
         """Cut `stock` (in place) along `window`; `state` is updated."""
@@ -205,21 +208,42 @@ class Turning(Process):
 
 
 def drilling_of(drill: Drill, material: Material | None) -> Turning:
-    """The process of a drill in a tailstock: the same cut, with the lips sharing the feed of a turn."""
-    r, top = drill.radius, drill.flute_length
-    outline = np.array([(0.0, 0.0), (drill.tip_height, -r), (top, -r), (top, r), (drill.tip_height, r)])
+    """The process of a drill in a tailstock: the same cut, with the lips sharing the feed of a turn.
+
+    Both halves of the outline are in the work, and each bears half of what the lips do together.
+    """
+    from gcodesim.processes.edge_kernels import AT_R, AT_Z, PUSH, WEIGHT
+
+    law = None if material is None or material.law is None else edge_law(drill, material.law)
+    teeth = max(2, drill.flutes)
+    pieces = edge_pieces(replace(drill, flutes=teeth), law)
+    pressed = pieces[:, PUSH] * pieces[:, WEIGHT]
+    own = np.column_stack([np.ones(len(pieces)), pieces[:, WEIGHT], pressed])
+    corners = np.array([(drill.tip_height, drill.radius), (drill.flute_length, drill.radius)])
+    half = np.vstack([pieces[1:, [AT_Z, AT_R]], corners[: 1 + (drill.flute_length > drill.tip_height)]])
+    wall = np.tile([0.0, 1.0, 0.0], (2 * (len(half) - len(pieces)) + 1, 1))
+    edges = np.vstack([own, wall, own[::-1]])
     return Turning(
-        outline=outline,
-        cutting=np.array([True, False, False, False, True]),
+        outline=np.vstack([np.zeros((1, 2)), half * [1.0, -1.0], half[::-1]]),
+        cutting=edges[:, 0] > 0.0,
         shank=np.zeros((0, 2)),
-        teeth=max(2, drill.flutes),
-        law=None if material is None or material.law is None else edge_law(drill, material.law),
+        blunt=edges[:, 1],
+        pressed=edges[:, 2],
+        teeth=teeth,
+        law=law,
         beside=True,
     )
 
 
-def edge_elements(outline: Array, cutting: NDArray[np.bool_]) -> Array:
-    """Elements (e, 6) of all edges of a convex outline; short near its corners, where thin chips are."""
+def edge_elements(
+    outline: Array, cutting: NDArray[np.bool_], blunt: Array | None = None, pressed: Array | None = None
+) -> Array:
+    """Elements (e, 8) of all edges (m,) of a convex outline (m, 2); short near its corners, where thin chips are.
+
+    See `turning_kernels.Blade` for what `blunt` [-] and `pressed` [N/m] edges say of theirs; none: all are sharp.
+    """
+    weight = np.ones(len(outline)) if blunt is None else blunt
+    push = np.zeros(len(outline)) if pressed is None else pressed
     found: list[tuple[float, ...]] = []
     for i in range(len(outline)):
         a, b = outline[i], outline[(i + 1) % len(outline)]
@@ -230,8 +254,9 @@ def edge_elements(outline: Array, cutting: NDArray[np.bool_]) -> Array:
         normal = (way[1] / length, -way[0] / length)
         for begin, end in _parts(length):
             middle = a + way * (0.5 * (begin + end) / length)
-            found.append((middle[0], middle[1], normal[0], normal[1], end - begin, float(cutting[i])))
-    return np.array(found, dtype=float).reshape(-1, 6)
+            what = float(cutting[i]), float(weight[i]), float(push[i])
+            found.append((middle[0], middle[1], normal[0], normal[1], end - begin, *what))
+    return np.array(found, dtype=float).reshape(-1, 8)
 
 
 def _parts(length: float) -> Iterable[tuple[float, float]]:

@@ -71,10 +71,11 @@ class Discs(NamedTuple):
 class Blade(NamedTuple):
     """The tool: outlines (m, 2) of what cuts and what holds it, and elements of its edges.
 
-    element (e, 6): z, r of its middle, outward normal z and r, width [m], 1 where it may cut. `teeth` share the feed
-    of a turn; the forces of two and more balance across the spindle. `law` (3, 3) as in `laws`, `feels` whether it
-    holds. `behind` is the side along z (1, -1, or 0) to which the tip leaves the contour that it has made: a back edge
-    that cuts there while the tip moves on gouges.
+    element (e, 8): z, r of its middle, outward normal z and r, width [m], 1 where it may cut, how many times the force
+    of a sharp edge it bears, and by what it is pressed into the material [N/m], however thin the chip. `teeth` share
+    the feed of a turn; the forces of two and more balance across the spindle. `law` (3, 3) as in `laws`, `feels`
+    whether it holds. `behind` is the side along z (1, -1, or 0) to which the tip leaves the contour that it has made:
+    a back edge that cuts there while the tip moves on gouges.
     guards (g, 8, 2) are outlines of what may not be touched, with `corners` (g,) points each.
     """
 
@@ -185,6 +186,18 @@ def _apart(one: Array, count: int, other: Array, corners: int) -> float:
 
 
 @kernel(lean=True)
+def _is_in_work(lathe: Discs, element: Array, at: Array) -> bool:
+    """Whether there is material before an element of a tool at `at` (2,).
+
+    A disc has the section in its middle, so it is asked half a disc farther: else half of all places at a slope would
+    lie between the slope and the stair of discs that stands for it.
+    """
+    half = 0.5 * lathe.dz if element[2] > 0.0 else -0.5 * lathe.dz if element[2] < 0.0 else 0.0
+    z, r = at[0] + element[0] + NEAR * element[2] + half, at[1] + element[1] + NEAR * element[3]
+    return ring_at(lathe.lo, lathe.hi, lathe.number, lathe.z, lathe.dz, z, r)
+
+
+@kernel(lean=True)
 def _forces(
     lathe: Discs,
     blade: Blade,
@@ -207,8 +220,7 @@ def _forces(
         h = feed * (element[2] * uz + element[3] * ur)
         if h <= 1.0e-9:
             continue
-        z, r = at[0] + element[0] + NEAR * element[2], at[1] + element[1] + NEAR * element[3]
-        if ring_at(lathe.lo, lathe.hi, lathe.number, lathe.z, lathe.dz, z, r):
+        if _is_in_work(lathe, element, at):
             chips += h * element[4]
             if element[5] == 0.0 and (blade.behind == 0.0 or uz * blade.behind < -LEANING):
                 wrong += h * element[4]
@@ -220,13 +232,12 @@ def _forces(
         h = feed * (element[2] * uz + element[3] * ur)
         if h <= 1.0e-9:
             continue
-        z, r = at[0] + element[0] + NEAR * element[2], at[1] + element[1] + NEAR * element[3]
-        if not ring_at(lathe.lo, lathe.hi, lathe.number, lathe.z, lathe.dz, z, r):
+        if not _is_in_work(lathe, element, at):
             continue
         out[CHIP] = max(out[CHIP], h)
         if not blade.feels:
             continue
-        b = element[4] * scale
+        b, press = element[4] * element[6] * scale, element[4] * element[7] * scale
         law = blade.law
         tangential = b * (law[0, 0] * power(h, law[0, 1]) + law[0, 2])
         normal = b * (law[1, 0] * power(h, law[1, 1]) + law[1, 2])
@@ -235,6 +246,7 @@ def _forces(
         if tr * blade.outward < 0.0:
             tz, tr = -tz, -tr
         fz, fr = -normal * element[2] + along * tz, -normal * element[3] + along * tr
+        fz += press if element[2] < 0.0 else -press
         out[TORQUE] += part * blade.teeth * tangential * abs(at[1] + element[1])
         out[MAIN] += part * blade.teeth * tangential
         out[FEEDING] -= part * blade.teeth * (fz * uz + fr * ur)

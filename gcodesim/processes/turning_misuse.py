@@ -21,7 +21,7 @@ _GRAZED: Final = 0.05 * MM3
 """What a rapid may take without being told [m³]: rounding along a wall."""
 
 _RUBS: Final = 2.0e-6
-"""How deep [m] a shank may be in material without being told."""
+"""How deep [m] a shank may be in material, or a tool in chuck or tailstock, without being told: they touch."""
 
 
 def turning_findings(rows: Rows) -> Iterator[Diagnostic]:
@@ -45,7 +45,7 @@ def turning_findings(rows: Rows) -> Iterator[Diagnostic]:
         worst = float(rows["lathe_shank"][event].max()) / MM
         message = f"the shank of {_name(rows, event)} runs into the work, {worst:.3f} mm deep"
         yield rows.told(event, "GS432", message, "cut less deep, or use a tool with longer edges", (worst, 0.0, "mm"))
-    for event in rows.events(rows["lathe_guard"] > 0.0):
+    for event in rows.events(rows["lathe_guard"] > _RUBS):
         worst = float(rows["lathe_guard"][event].max()) / MM
         message = f"{_name(rows, event)} runs into chuck or tailstock, {worst:.3f} mm deep"
         hint = "hold the work longer out of the jaws, or stop earlier"

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Final, cast
 
 import numpy as np
 
+from gcodesim.arithmetic.elementary import cos, sin
 from gcodesim.arithmetic.matrices import norms
 from gcodesim.cell import Cell
 from gcodesim.cell.leftover import NOTHING_LEFT, Leftover, no_stock
@@ -16,11 +17,13 @@ from gcodesim.diagnostics import Diagnostic
 from gcodesim.frames import Pose
 from gcodesim.shop.shop import Shop
 from gcodesim.solids import Box, Cylinder, read_mesh
+from gcodesim.tools.cutter import Cutter
 from gcodesim.units import MM
 
 if TYPE_CHECKING:
     from gcodesim.material.revolved import Revolved
     from gcodesim.material.stock import Stock
+    from gcodesim.tools.tool import Tool
 
 MEMORY_BUDGET: Final = 2 << 30
 """Bytes that one stock may take: what a laptop can spare."""
@@ -31,6 +34,19 @@ CELLS_PER_DIAMETER: Final = 24
 FINEST_DEFAULT: Final = 0.05 * MM
 
 COARSEST_DEFAULT: Final = 0.5 * MM
+"""Where it is not sure that nothing is lost on coarser cells."""
+
+COARSEST_PLAIN: Final = 2.0 * MM
+"""For large cutters with plain edges on large stock."""
+
+CELLS_ACROSS_SLOPE: Final = 2
+"""Cells at the least across a rounded or slanting part of an edge that is narrower than the cutter."""
+
+CELLS_ACROSS_STOCK: Final = 60
+"""Cells at the least across the narrower side of the stock."""
+
+LEVEL: Final = 1e-9
+"""[m] that an edge may rise, or come inwards, and still be level or upright."""
 
 MOST_DEFAULT_COLUMNS: Final = 4_000_000
 
@@ -163,9 +179,26 @@ def _too_fine(shop: Shop, name: str, resolution: float, needed: int, finest: flo
 
 
 def default_resolution(cell: Cell, size: tuple[float, float, float]) -> float:
-    """Grid [m] of a stock for which the cell names none: fine enough for the smallest tool, never absurdly fine."""
+    """Grid [m] of a stock for which the cell names none: as fine as its tools can tell apart, never absurdly fine.
+
+    Heights are exact at any cell, so a face mill of 150 mm needs none of half a millimetre.
+    """
+    wanted = COARSEST_DEFAULT
     widths = [width for tool in cell.tools.values() if (width := getattr(tool, "diameter", None))]
-    wanted = min(widths) / CELLS_PER_DIAMETER if widths else COARSEST_DEFAULT
-    wanted = float(np.clip(wanted, FINEST_DEFAULT, COARSEST_DEFAULT))
+    if widths:
+        across = [min(widths) / CELLS_PER_DIAMETER, min(size[:2]) / CELLS_ACROSS_STOCK, COARSEST_PLAIN]
+        slopes = [width / CELLS_ACROSS_SLOPE for tool in cell.tools.values() if (width := narrowest_slope(tool))]
+        wanted = min(across[0], max(COARSEST_DEFAULT, min(across + slopes)))
     fewest = float(np.sqrt(size[0] * size[1] / MOST_DEFAULT_COLUMNS))
-    return max(wanted, fewest)
+    return max(wanted, FINEST_DEFAULT, fewest)
+
+
+def narrowest_slope(tool: Tool) -> float:
+    """Width [m], across the axis, of the narrowest part of a cutter's edge that is neither level nor upright; or 0."""
+    if not isinstance(tool, Cutter):
+        return 0.0
+    widths = [0.0]
+    for radius, _, _, kappa0, kappa1, length, foot, head, _ in tool.edge.tolist():
+        if head - foot > LEVEL:
+            widths.append(radius * abs(sin(kappa1) - sin(kappa0)) if radius > 0.0 else length * abs(cos(kappa0)))
+    return float(min((width for width in widths if width > LEVEL), default=0.0))

@@ -9,6 +9,7 @@ from gcodesim.declarations.keys import key
 from gcodesim.frozen import frozen
 from gcodesim.tools.body import Primitive, cylinder
 from gcodesim.tools.cutter import Cutter, arc_piece, line_piece
+from gcodesim.tools.sizes import exceeds
 from gcodesim.units import MM
 
 if TYPE_CHECKING:
@@ -22,6 +23,11 @@ class BullNoseEndMill(Cutter):
     kind: ClassVar[str] = "bull_nose_end_mill"
 
     corner_radius: float = key("length", "radius of the rounded corner", example="1 mm")
+
+    def __post_init__(self) -> None:
+        Cutter.__post_init__(self)
+        if not exceeds(self.corner_radius, self.radius) and not exceeds(self.radius, self.corner_radius):
+            object.__setattr__(self, "corner_radius", self.radius)
 
     def _edge_pieces(self) -> list[tuple[float, ...]]:
         R, rho = self.radius, self.corner_radius
@@ -47,7 +53,7 @@ class BullNoseEndMill(Cutter):
 
     def problems(self) -> list[tuple[str, str]]:
         found = Cutter.problems(self)
-        if self.corner_radius > self.radius:
+        if exceeds(self.corner_radius, self.radius):
             found.append(
                 (
                     "corner_radius",

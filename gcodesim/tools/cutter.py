@@ -15,6 +15,7 @@ from gcodesim.declarations.plain_kinds import Choice
 from gcodesim.declarations.quantity import Quantity, Vector
 from gcodesim.frozen import frozen
 from gcodesim.tools.body import Primitive, cylinder
+from gcodesim.tools.sizes import exceeds
 from gcodesim.tools.tool import Tool
 from gcodesim.units import DEG, MM
 
@@ -124,9 +125,11 @@ class Cutter(Tool):
 
     def __post_init__(self) -> None:
         Tool.__post_init__(self)
-        height = self.tip_height
-        if (1.0 - AS_LONG) * height <= self.flute_length < height:  # a cone all of whose flanks cut, as it is written
+        height, flutes = self.tip_height, self.flute_length
+        if (1.0 - AS_LONG) * height <= flutes < height:  # a cone all of whose flanks cut, as it is written
             object.__setattr__(self, "flute_length", height)
+        if not exceeds(flutes, self.length) and self.flute_length > self.length:  # flutes up to the holder
+            object.__setattr__(self, "length", self.flute_length)
 
     @property
     def is_driven(self) -> bool:
@@ -220,6 +223,8 @@ class Cutter(Tool):
     def _cutting_bodies(self) -> list[Primitive]:
         """Tip bodies of the kind, then the cutting cylinder."""
         tip, start = self._tip_bodies()
+        if self.flute_length <= start:
+            return tip
         return [*tip, cylinder("cutting", self.radius, start, self.flute_length)]
 
     def _tip_bodies(self) -> tuple[list[Primitive], float]:
@@ -234,7 +239,7 @@ class Cutter(Tool):
             found.append(("helix", f"`helix` of {self.helix / DEG:g} deg is no helix; it lies between -89 and 89 deg"))
         if self.chip_load is not None and self.chip_load[0] > self.chip_load[1]:
             found.append(("chip_load", "`chip_load` names the least thickness first, then the greatest"))
-        if self.flute_length > self.length:
+        if exceeds(self.flute_length, self.length):
             found.append(
                 (
                     "flute_length",

@@ -12,6 +12,7 @@ from gcodesim.frozen import frozen
 from gcodesim.tools.body import Primitive, cone
 from gcodesim.tools.chisel_edge import LONGEST, USUAL, weight_of_chisel
 from gcodesim.tools.cutter import Cutter, line_piece
+from gcodesim.tools.sizes import exceeds
 from gcodesim.units import DEG
 
 if TYPE_CHECKING:
@@ -71,7 +72,7 @@ class Drill(Cutter):
                     f"`point_angle` of {self.point_angle / DEG:g} deg is no drill point; it is 10 to 180 deg",
                 )
             )
-        if not self.chisel_edge <= LONGEST * self.diameter:
+        if exceeds(self.chisel_edge, LONGEST * self.diameter):
             found.append(("chisel_edge", f"`chisel_edge` is at most {LONGEST:g} times the diameter"))
         return found
 

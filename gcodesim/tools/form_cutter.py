@@ -11,6 +11,7 @@ from gcodesim.frozen import frozen
 from gcodesim.solids.turned import Outline, OutlineArc, Point, end_of, steps_of
 from gcodesim.tools.body import Primitive, cone, cylinder, sphere
 from gcodesim.tools.cutter import Cutter, arc_piece, line_piece
+from gcodesim.tools.sizes import exceeds
 from gcodesim.units import MM
 
 if TYPE_CHECKING:
@@ -141,7 +142,7 @@ class NeckedCutter(FormCutter):
         return self.neck_diameter
 
     def _form_problems(self) -> list[tuple[str, str]]:
-        if self.neck_diameter > self.diameter:
+        if exceeds(self.neck_diameter, self.diameter):
             return [
                 (
                     "neck_diameter",

@@ -7,6 +7,7 @@ from typing import ClassVar
 from gcodesim.declarations.keys import key
 from gcodesim.frozen import frozen
 from gcodesim.tools.body import Primitive, cylinder, sphere
+from gcodesim.tools.sizes import exceeds
 from gcodesim.tools.tool import Tool
 
 STEM_SHARE = 0.6
@@ -37,7 +38,7 @@ class Probe(Tool):
 
     def problems(self) -> list[tuple[str, str]]:
         found = Tool.problems(self)
-        if self.stem_diameter > self.diameter:
+        if exceeds(self.stem_diameter, self.diameter):
             found.append(("stem_diameter", "`stem_diameter` is more than that of the ball: the stem would touch first"))
         if self.length <= self.diameter:
             found.append(("length", "`length` must be more than the diameter of the ball"))

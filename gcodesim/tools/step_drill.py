@@ -13,6 +13,7 @@ from gcodesim.solids.turned import Outline
 from gcodesim.tools.chisel_edge import LONGEST, USUAL
 from gcodesim.tools.drill import point_pieces
 from gcodesim.tools.form_cutter import FormCutter
+from gcodesim.tools.sizes import exceeds
 from gcodesim.units import DEG, MM
 
 
@@ -69,7 +70,7 @@ class StepDrill(FormCutter):
         found = FormCutter.problems(self)
         if not self.tip_diameter < self.diameter:
             found.append(("tip_diameter", "`tip_diameter` has to be less than `diameter`"))
-        elif not self.chisel_edge <= LONGEST * self.tip_diameter:
+        elif exceeds(self.chisel_edge, LONGEST * self.tip_diameter):
             found.append(("chisel_edge", f"`chisel_edge` is at most {LONGEST:g} times `tip_diameter`"))
         elif self.step_length <= 0.5 * self.tip_diameter / tan(0.5 * self.point_angle):
             found.append(("step_length", f"`step_length` {self.step_length / MM:g} mm ends within the point"))

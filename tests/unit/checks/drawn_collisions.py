@@ -258,11 +258,11 @@ def misses(case: Case, gap: Gap, samples: int, close: float) -> str:
     """
     found = case.bodies.search(case.way)
     times = np.linspace(0.0, len(case.q) - 1.0, samples)
-    gaps = np.array([gap(at) for at in case.poses(times)])
+    first = min((meeting.stretch + meeting.share for meeting in found), default=np.inf)
+    gaps = sampled_gaps(case, gap, times, first, close)
     if not found:
         least = int(gaps.argmin())
         return f"missed: {gaps[least]} at {times[least]}" if gaps[least] < -close else ""
-    first = min(meeting.stretch + meeting.share for meeting in found)
     if gap(case.at(first)) > close:
         return f"reported at {first}, where the gap is {gap(case.at(first))}"
     early = gaps[times < first - 1e-9].min(initial=np.inf)
@@ -285,6 +285,42 @@ def misses(case: Case, gap: Gap, samples: int, close: float) -> str:
     return ""
 
 
+def sampled_gaps(case: Case, gap: Gap, times: Array, first: float, close: float) -> Array:
+    """The gaps (k,) [m] at sampled times, or less where it cannot matter how much.
+
+    Between two places no point of the moving body goes farther than its frame goes and turns, and neither a gap nor a
+    depth changes by more than that. So a sample is asked of the engine, which is `close` [m] exact, unless what is
+    known of others says that its gap is above the least, and before the time `first` that it is no contact.
+    """
+    poses, asked = case.poses(times), np.zeros(len(times), dtype=bool)
+    turn = np.einsum("kij,kij->k", poses[1:, :3, :3], poses[:-1, :3, :3])  # 1 + 2 cos
+    chord = np.sqrt(np.maximum(3.0 - turn, 0.0))  # 2 sin of half the angle
+    way = np.linalg.norm(np.diff(poses[:, :3, 3], axis=0), axis=1) + chord * reach_of(case.moving)
+    gone = np.concatenate([[0.0], np.cumsum(way)])
+    bound, early, least = np.full(len(times), -np.inf), times < first, np.inf
+    while True:
+        open_ = ~asked & (bound <= np.where(early, max(-close, least), least))
+        if not open_.any():
+            return bound
+        k = int(np.where(open_, bound, np.inf).argmin()) if asked.any() else 0
+        if np.isneginf(bound[k]):
+            k = (len(times) - 1) // 2
+        value = gap(poses[k])
+        least = min(least, value)
+        bound = np.where(asked, bound, np.maximum(bound, value - np.abs(gone - gone[k]) - 2.0 * close))
+        bound[k], asked[k] = value, True
+
+
+def reach_of(solids: tuple[Placed, ...]) -> float:
+    """How far [m] bodies reach from the origin of their frame at the most."""
+    axes = np.vstack([np.eye(3), -np.eye(3)])
+    reach = 0.0
+    for each in solids:
+        own = np.linalg.norm([extent_along(each.solid, axis[None])[0] for axis in axes])
+        reach = max(reach, float(own + np.linalg.norm(each.X.p)))
+    return reach
+
+
 def deep_inside(case: Case) -> float:
     """The depth [m] that is said of a body inside a mesh: how far the smaller of both reaches."""
     return float(min(case.bodies._woods.far)) if case.dented else np.inf
@@ -292,11 +328,19 @@ def deep_inside(case: Case) -> float:
 
 def _least_near(case: Case, gap: Gap, time: float, step: float) -> tuple[float, float]:
     """When the gap is least near a time, by golden section, and that gap [m]."""
+    share = 0.5 * (np.sqrt(5.0) - 1.0)
     low, high = max(time - step, 0.0), min(time + step, len(case.q) - 1.0)
-    best = gap(case.at(time)), time
-    for _ in range(GOLDEN_ROUNDS):
-        left, right = high - 0.618 * (high - low), low + 0.618 * (high - low)
-        at_left, at_right = gap(case.at(left)), gap(case.at(right))
+    left, right = high - share * (high - low), low + share * (high - low)
+    at_left, at_right = gap(case.at(left)), gap(case.at(right))
+    best = min((gap(case.at(time)), time), (at_left, left), (at_right, right))
+    for _ in range(GOLDEN_ROUNDS - 1):  # each round keeps one of its two places for the next
+        if at_left <= at_right:
+            high, right, at_right = right, left, at_left
+            left = high - share * (high - low)
+            at_left = gap(case.at(left))
+        else:
+            low, left, at_left = left, right, at_right
+            right = low + share * (high - low)
+            at_right = gap(case.at(right))
         best = min(best, (at_left, left), (at_right, right))
-        low, high = (low, right) if at_left <= at_right else (left, high)
     return best[1], best[0]

@@ -1,5 +1,6 @@
 """The stock of a lathe: volumes in closed form, loose pieces, surfaces, files."""
 
+from itertools import pairwise
 from math import pi, sqrt
 
 import numpy as np
@@ -67,6 +68,89 @@ def test_cones_and_inner_grooves_are_within_the_bound(dz):
     cone = pi * 0.02**2 * 0.0303 - pi / 3 * 0.03 * (0.02**2 + 0.02 * 0.01 + 0.01**2) - pi * 0.01**2 * 0.0003
     assert abs(before - stock.volume - ring - cone) < stock.error_bound()
     assert stock.error_bound() < 2.0e3 * pi * 0.02**2 * dz
+
+
+def turned_off(z0, z1, r0, r1):
+    """The outline of what is outside a frustum from z0 to z1 [m] with radii r0 and r1, and that volume in the bar."""
+    outline = [(z0, r0), (z1, r1), (z1, 0.03), (z0, 0.03)]
+    return outline, pi * (z1 - z0) * (0.02**2 - (r0 * r0 + r0 * r1 + r1 * r1) / 3.0)
+
+
+def drawn_parts(rng):
+    """What is cut out of a bar [m] and the volume that this takes, for parts of one to five features."""
+    z, parts = rng.uniform(0.004, 0.012), []
+    for _ in range(rng.integers(1, 6)):
+        end = z + rng.uniform(0.002, 0.012)
+        r0 = rng.uniform(0.008, 0.019)
+        r1 = r0 if rng.integers(2) else rng.uniform(0.008, 0.019)
+        parts.append(turned_off(z, end, r0, r1))
+        z = end + rng.choice([0.0, rng.uniform(0.002, 0.004)])
+    if rng.integers(2):
+        depth, r = rng.uniform(0.005, 0.05), rng.uniform(0.002, 0.006)
+        parts.append(([(0.09 - depth, 0.0), (0.1, 0.0), (0.1, r), (0.09 - depth, r)], pi * r * r * depth))
+    if rng.integers(2):
+        top, r = rng.uniform(0.002, 0.004), 0.03
+        parts.append(([(0.09 - top, 0.0), (0.1, 0.0), (0.1, r), (0.09 - top, r)], 0.0))
+    return parts
+
+
+def profile_of(parts):
+    """The volume [m³] that such cuts take together, by exact integrals between all places where anything changes."""
+    places = sorted({0.0, 0.09, *(min(z, 0.09) for outline, _ in parts for z, _ in outline)})
+    total = 0.0
+    for low, high in pairwise(places):
+        for share, weight in ((0.5 - sqrt(0.15), 5 / 18), (0.5, 8 / 18), (0.5 + sqrt(0.15), 5 / 18)):  # Gauss: exact
+            z, outer, inner = low + share * (high - low), 0.02, 0.0
+            for outline, _ in parts:
+                (z0, a), (z1, b) = outline[0], outline[1]
+                if z0 < z < z1:
+                    if a == 0.0:
+                        inner = max(inner, outline[2][1])
+                    else:
+                        outer = min(outer, a + (b - a) * (z - z0) / (z1 - z0))
+            left = max(outer * outer - inner * inner, 0.0)
+            total += weight * (high - low) * pi * (0.02**2 - left)
+    return total
+
+
+@pytest.mark.parametrize("seed", range(60))
+def test_the_bound_is_never_exceeded_and_typically_within_ten_times_the_error(seed):
+    """Steps, cones, bores and faces on twelve grids that lie anywhere: it was 19 to 35 times the error of cones."""
+    rng = np.random.default_rng(seed)
+    parts, errors, bounds = drawn_parts(rng), [], []
+    dz = float(rng.choice([1e-4, 3e-4, 1e-3]))
+    for k in range(12):
+        stock = Revolved.bar(0.02, -rng.uniform(0.0, dz), 0.09, resolution=dz * (0.9 + 0.018 * k))
+        before = stock.volume
+        for outline, _ in parts:
+            cut(stock, outline)
+        errors.append(abs(before - stock.volume - profile_of(parts)))
+        bounds.append(stock.error_bound())
+
+    assert (np.array(errors) <= np.array(bounds)).all()
+    assert np.mean(bounds) <= 10.0 * np.sqrt(np.mean(np.square(errors)))
+
+
+@pytest.mark.parametrize("dz", [1e-3, 1e-4])
+def test_the_bound_of_a_ball_and_of_a_round_groove(dz):
+    for form, exact in (
+        (lambda z: np.sqrt(np.maximum(0.02**2 - (z - 0.045) ** 2, 0.0)), 4.0 / 3.0 * pi * 0.02**3),
+        (lambda z: 0.02 - np.sqrt(np.maximum(0.01**2 - (z - 0.045) ** 2, 0.0)), None),
+    ):
+        errors, bounds = [], []
+        for k in range(12):
+            stock = Revolved.bar(0.02, -0.083 * k * dz, 0.09, resolution=dz * (0.9 + 0.018 * k))
+            profile = stock.profile
+            z = profile.z + (np.arange(len(profile.number)) + 0.5) * profile.dz
+            profile.hi[:, 0] = form(z)
+            profile.number[profile.hi[:, 0] <= 0.0] = 0
+            # a groove: half a disc of 10 mm, pi²/2 rho² times twice the radius of its middle (Pappus)
+            ring = pi * 0.01**2 / 2.0 * 2.0 * pi * (0.02 - 4.0 * 0.01 / (3.0 * pi))
+            whole = exact or pi * 0.02**2 * (0.09 - profile.z) - ring
+            errors.append(abs(stock.volume - whole))
+            bounds.append(stock.error_bound())
+        assert (np.array(errors) <= np.array(bounds)).all()
+        assert np.mean(bounds) <= 10.0 * np.sqrt(np.mean(np.square(errors)))
 
 
 def test_an_undercut_behind_a_shoulder_and_a_groove_in_the_face_are_kept_apart():
