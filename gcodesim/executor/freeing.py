@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from gcodesim.arithmetic.matrices import dots, norms
 from gcodesim.executor.targets import AssemblyTarget, StockTarget
-from gcodesim.frames import Array
+from gcodesim.frames import Array, Pose
 from gcodesim.frozen import frozen
 from gcodesim.processes.column import ADDED
 from gcodesim.processes.window import ProcessStep, Window
@@ -84,13 +84,15 @@ class Freeing:
         if not (self._partings and self._task.process.takes):
             return False
         lowest, from_above = self._reach
-        may = [own.may_part(lowest - at[2], from_above=from_above) for _, at, own in self._partings]  # each is told
+        may = [
+            own.may_part(lowest - X.p[2], from_above=from_above and bool(X.R[2, 2] == 1.0))
+            for _, X, own in self._partings
+        ]  # each is told
         return any(may)
 
     def _keep(self, begin: int, end: int) -> list[Kept]:
         """What every stock may lose in steps `begin` to `end`."""
-        ways = self._ways(begin, end)
-        return [own.keep(ways._replace(starts=ways.starts - at, ends=ways.ends - at)) for _, at, own in self._partings]
+        return [own.keep(self._ways(begin, end, X.inverse())) for _, X, own in self._partings]
 
     @cached_property
     def _reach(self) -> tuple[float, bool]:
@@ -135,10 +137,10 @@ class Freeing:
 
     def _take_out(self, kept: list[Kept], step: int | None) -> None:
         radius = float(self._task.process.zone.radius)
-        for (name, origin, parting), own in zip(self._partings, kept, strict=True):
+        for (name, X, parting), own in zip(self._partings, kept, strict=True):
             parted = parting.parted(own)
             for piece in [] if parted is None else parting.take_out(parted):
-                at, row = self._passing(piece.low + origin, piece.high + origin, step)
+                at, row = self._passing(*X.box(piece.low, piece.high), step)
                 self.freed.append(Freed(name, at, row, piece, radius))
 
     def _passing(self, low: Array, high: Array, step: int | None) -> tuple[int, int]:
@@ -155,8 +157,8 @@ class Freeing:
         last = int(own[np.flatnonzero(gap <= gap.min() + 1e-9)[-1]])
         return int(window.piece_step[last]), int(self._row[last])
 
-    def _ways(self, begin: int, end: int) -> BodyWays:
-        """Where the process may take material in steps `begin` to `end`."""
+    def _ways(self, begin: int, end: int, X: Pose) -> BodyWays:
+        """Where the process may take material in steps `begin` to `end`, seen from a stock from which S is at `X`."""
         from gcodesim.material.kernels import BodyWays
 
         window = self._window
@@ -166,19 +168,20 @@ class Freeing:
         axis = window.axis[step]
         before = axis if window.axis_before is None else window.axis_before[step]
         zone = self._task.process.takes_within(_depth_below(starts, ends, axis, self._task.target.room))
-        along = np.stack([height * way[:, :2] for height in (zone.above, -zone.below) for way in (axis, before)])
+        ways = [X.rotate(way)[:, :2] for way in (axis, before)]
+        along = np.stack([height * way for height in (zone.above, -zone.below) for way in ways])
         turn = axis - before
         bulge = max(zone.above, zone.below) * dots(turn, turn)  # a turning axis comes farther out than its chord
         across = (zone.radius + YIELDS + bulge)[:, None]
         return BodyWays(
-            np.ascontiguousarray(starts, dtype=float),
-            np.ascontiguousarray(ends, dtype=float),
+            np.ascontiguousarray(X.apply(starts), dtype=float),
+            np.ascontiguousarray(X.apply(ends), dtype=float),
             np.minimum(along.min(axis=0), 0.0) - across,
             np.maximum(along.max(axis=0), 0.0) + across,
         )
 
 
-def _partings_of(task: Task) -> tuple[tuple[str, Array, Parting], ...]:
+def _partings_of(task: Task) -> tuple[tuple[str, Pose, Parting], ...]:
     if not (task.process.takes or task.process.lays) or not isinstance(task.target, StockTarget):
         return ()
     return task.target.partings

@@ -15,7 +15,7 @@ from gcodesim.executor.freeing import Freed, Freeing
 from gcodesim.executor.part_run import PartsInWindow
 from gcodesim.executor.targets import Bounds
 from gcodesim.executor.tasks import Task
-from gcodesim.frames import Array
+from gcodesim.frames import Array, Pose
 from gcodesim.processes.window import ProcessStep, Window
 
 if TYPE_CHECKING:
@@ -96,8 +96,8 @@ class Stint:
         )
 
     @property
-    def holds(self) -> dict[str, Array]:
-        """The stocks that it acts on, by name, each with the origin (3,) [m] of its frame in S."""
+    def holds(self) -> dict[str, Pose]:
+        """The stocks that it acts on, by name, each with its frame in S."""
         return dict(self.task.target.holds)
 
     @property

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import partial
-from itertools import product
 from typing import TYPE_CHECKING, Any, Protocol, cast
 
 import numpy as np
@@ -52,8 +51,8 @@ class TaskTarget(Protocol):
         """What the process is given; see `processes.protocol`."""
 
     @property
-    def holds(self) -> tuple[tuple[str, Array], ...]:
-        """What tools of several channels may change at once, by name, with the origin (3,) [m] of its frame in S."""
+    def holds(self) -> tuple[tuple[str, Pose], ...]:
+        """What tools of several channels may change at once, by name, with its frame in S."""
 
     @property
     def room(self) -> Bounds | None:
@@ -127,20 +126,20 @@ class StockTarget:
         return self.placed.stock.memento()
 
     @property
-    def holds(self) -> tuple[tuple[str, Array], ...]:
-        return ((self.name, np.zeros(3)),)
+    def holds(self) -> tuple[tuple[str, Pose], ...]:
+        return ((self.name, Pose.identity()),)
 
     @property
-    def partings(self) -> tuple[tuple[str, Array, Parting], ...]:
+    def partings(self) -> tuple[tuple[str, Pose, Parting], ...]:
         """Who watches each of `holds` for pieces that come loose; none where nothing falls: a lathe has its own way."""
-        return () if self.placed.revolved else ((self.name, np.zeros(3), parting_of(self.placed.stock)),)
+        return () if self.placed.revolved else ((self.name, Pose.identity(), parting_of(self.placed.stock)),)
 
 
 @frozen(kw_only=False, eq=False)
 class AssemblyTarget(StockTarget):
-    """A stock with the `parts` that stand in it, each with its origin (3,) [m] in S, which is that of the whole."""
+    """A stock with the `parts` that stand in it, each with its frame in S, which is that of the whole."""
 
-    parts: tuple[tuple[PlacedStock, Array], ...] = ()
+    parts: tuple[tuple[PlacedStock, Pose], ...] = ()
 
     @property
     def given(self) -> StockAssembly:
@@ -151,12 +150,12 @@ class AssemblyTarget(StockTarget):
             names=tuple(own.name for own in all_of_it),
             stocks=tuple(own.stock for own in all_of_it),
             materials=tuple(own.material for own in all_of_it),
-            at=np.array([np.zeros(3), *(at for _, at in self.parts)]),
+            X=(Pose.identity(), *(X for _, X in self.parts)),
         )
 
     @property
-    def holds(self) -> tuple[tuple[str, Array], ...]:
-        return (self.name, np.zeros(3)), *((part.name, at) for part, at in self.parts)
+    def holds(self) -> tuple[tuple[str, Pose], ...]:
+        return (self.name, Pose.identity()), *((part.name, X) for part, X in self.parts)
 
     @property
     def room(self) -> Bounds:
@@ -170,18 +169,17 @@ class AssemblyTarget(StockTarget):
         return [StockTarget(own, self.grows) for own in (self.placed, *(part for part, _ in self.parts))]
 
     def _around(self, boxes: Sequence[Bounds]) -> Bounds:
-        origins = [at for _, at in self.holds]
-        lows = [low + at for (low, _), at in zip(boxes, origins, strict=True)]
-        highs = [high + at for (_, high), at in zip(boxes, origins, strict=True)]
+        around = [X.box(*box) for (_, X), box in zip(self.holds, boxes, strict=True)]
+        lows, highs = zip(*around, strict=True)
         return np.min(lows, axis=0), np.max(highs, axis=0)
 
     def memento(self) -> Callable[[], None]:
         return self.given.memento()
 
     @property
-    def partings(self) -> tuple[tuple[str, Array, Parting], ...]:
-        whole = (self.name, np.zeros(3), parting_of(self.placed.stock))
-        return whole, *((part.name, at, parting_of(part.stock)) for part, at in self.parts)
+    def partings(self) -> tuple[tuple[str, Pose, Parting], ...]:
+        whole = (self.name, Pose.identity(), parting_of(self.placed.stock))
+        return whole, *((part.name, X, parting_of(part.stock)) for part, X in self.parts)
 
 
 @frozen(kw_only=False, eq=False)
@@ -193,8 +191,8 @@ class MilledTarget(StockTarget):
         return cast("Revolved", self.placed.stock).in_columns()
 
     @property
-    def partings(self) -> tuple[tuple[str, Array, Parting], ...]:
-        return ((self.name, np.zeros(3), parting_of(self.given)),)
+    def partings(self) -> tuple[tuple[str, Pose, Parting], ...]:
+        return ((self.name, Pose.identity(), parting_of(self.given)),)
 
 
 @frozen(kw_only=False, eq=False)
@@ -246,8 +244,8 @@ class BodySkinTarget:
         return self.coated.name
 
     @property
-    def holds(self) -> tuple[tuple[str, Array], ...]:
-        return ((self.name, np.zeros(3)),)
+    def holds(self) -> tuple[tuple[str, Pose], ...]:
+        return ((self.name, Pose.identity()),)
 
     @property
     def frame(self) -> str:
@@ -370,13 +368,13 @@ def standing_bodies(shop: Shop) -> tuple[StandingBody, ...]:
         placed_bodies = shop.placement.fixtures if body.role == "fixture" else shop.placement.parts
         X = placed_bodies[body.label]
         for solid in (own.solid for own in body.solids):
-            box = _box_around(X, *solid.bounds)
+            box = X.box(*map(np.asarray, solid.bounds))
             bodies.append(StandingBody(body.label, body.role, box, partial(_moved, X, partial(_skin, solid))))
     for name, placed in shop.stocks.items():
         if not stands_there(placed.frame):
             continue
         skin, X = SkinTarget(placed), placed.X_WS
-        bodies.append(StandingBody(name, "stock", _box_around(X, *skin.room), partial(_moved, X, skin.triangles)))
+        bodies.append(StandingBody(name, "stock", X.box(*skin.room), partial(_moved, X, skin.triangles)))
     return tuple(bodies)
 
 
@@ -388,9 +386,3 @@ def _skin(solid: Solid) -> tuple[Array, NDArray[np.int32]]:
 def _moved(X: Pose, shape: Callable[[], tuple[Array, NDArray[np.int32]]]) -> tuple[Array, NDArray[np.int32]]:
     points, faces = shape()
     return X.apply(points), faces
-
-
-def _box_around(X: Pose, low: Sequence[float] | Array, high: Sequence[float] | Array) -> Bounds:
-    """The upright box that encloses the corners of a box given in the frame at `X`."""
-    corners = X.apply(np.array(list(product(*zip(low, high, strict=True)))))
-    return corners.min(axis=0), corners.max(axis=0)

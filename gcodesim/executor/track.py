@@ -481,9 +481,8 @@ def _meet(a: Stint, b: Stint) -> bool:
     if a.anew is not None or a.task.process.zone.everywhere or b.task.process.zone.everywhere:
         return True
     name = min(both)
-    (low, high), (least, most) = a.bounds, b.bounds
-    apart = b.holds[name] - a.holds[name]
-    return bool((low + apart < most).all() and (high + apart > least).all())
+    (low, high), (least, most) = (own.holds[name].inverse().box(*own.bounds) for own in (a, b))
+    return bool((low < most).all() and (high > least).all())
 
 
 def pocket_of(shop: Shop, name: str) -> Pose:

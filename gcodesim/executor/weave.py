@@ -86,7 +86,8 @@ class Weave:
         for channel, own in enumerate(stints):
             for stint in own:
                 least, most = stint.bounds_by_step
-                for name, origin in stint.holds.items():
+                for name, X in stint.holds.items():
                     at = channel, names.index(name)
-                    low[at], high[at] = np.minimum(low[at], least - origin), np.maximum(high[at], most - origin)
+                    own = X.inverse().box(least, most)
+                    low[at], high[at] = np.minimum(low[at], own[0]), np.maximum(high[at], own[1])
         return low, high

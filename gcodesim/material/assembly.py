@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.frames import Pose
 from gcodesim.frozen import frozen
 
 if TYPE_CHECKING:
@@ -21,13 +22,13 @@ T = TypeVar("T")
 class StockAssembly:
     """m `stocks` by their `names`, the whole first and then its parts, and the material of each, if it is known.
 
-    `at` (m, 3) [m] are the origins of their frames in that of the first, whose axes all have.
+    `X` are their m frames in that of the first.
     """
 
     names: tuple[str, ...]
     stocks: tuple[Stock, ...]
     materials: tuple[Any, ...]
-    at: Array
+    X: tuple[Pose, ...]
 
     def memento(self) -> Callable[[], None]:
         """Remember the state of all; calling the result restores it."""
@@ -50,9 +51,10 @@ class StockAssembly:
         while whole.field.columns.lo.shape[2] < most:
             whole.grow()
         before = _copied(whole.field.columns)
-        for part, at in zip(self.stocks[1:], self.at[1:], strict=True):
-            fits = put_in(whole.field.columns, whole.field.grid, part.field.columns, part.field.grid, at)
-            assert fits
+        for part, X in zip(self.stocks[1:], self.X[1:], strict=True):
+            own = part.field
+            while not put_in(whole.field.columns, whole.field.grid, own.columns, own.grid, X.inverse().matrix):
+                whole.grow()  # a part that leans has more above a place than any column of it
         patch_tops(whole.field.columns, whole.field.tops)
         joined = _copied(whole.field.columns)
         done = lay(whole)

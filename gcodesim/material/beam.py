@@ -44,6 +44,12 @@ __all__ = [
     "widest_within",
 ]
 
+LEANS = 0.95
+"""Cosine of the angle to its columns below which a beam mostly comes in through their sides."""
+
+ROOM_ACROSS = 4
+"""Intervals that columns have room for before a beam cuts into their sides; they get more before these are used up."""
+
 ONE_GRID = 1e-9
 """[m] by which columns of two stocks may differ in width and still be called alike."""
 
@@ -63,6 +69,7 @@ def strike_stock(stock: Stock, form: BeamForm, way: BeamWay, kind: str, threshol
     count = len(way.volume)
     struck = Struck(np.zeros(count), np.zeros(count), np.full(count, np.inf), np.zeros(count))
     _begin_dose(stock, kind, takes=bool(way.volume.any()))
+    _make_room(stock, way.axes)
     notes = np.zeros(2)
     way = BeamWay(*(np.ascontiguousarray(part, dtype=float) for part in way))
     done = 0
@@ -88,12 +95,23 @@ def strike_assembly(
     stocks, (count, m) = assembly.stocks, volume.shape
     for stock, own in zip(stocks, volume.T, strict=True):
         _begin_dose(stock, kind, takes=bool(own.any()))
+    for stock, X in zip(stocks, assembly.X, strict=True):
+        _make_room(stock, X.inverse().rotate(way.axes))
     sides = np.array([stock.spacing for stock in stocks])
     home = int(np.argmin(sides.min(axis=1)))
     alike = bool(np.ptp(sides, axis=0).max() < ONE_GRID)
-    together = Together(assembly.at - assembly.at[home], home, np.inf if alike else 0.5 * float(sides.min()))
-    starts, ends = way.starts - assembly.at[home], way.ends - assembly.at[home]
-    way = BeamWay(*(np.ascontiguousarray(part, dtype=float) for part in way._replace(starts=starts, ends=ends)))
+    from_whole = assembly.X[home].inverse()
+    frames = [from_whole @ X for X in assembly.X]
+    alike &= all(np.array_equal(X.R, np.eye(3)) for X in frames)
+    together = Together(
+        np.array([X.p for X in frames]),
+        np.array([X.R for X in frames]),
+        home,
+        np.inf if alike else 0.5 * float(sides.min()),
+    )
+    starts, ends = from_whole.apply(way.starts), from_whole.apply(way.ends)
+    way = way._replace(starts=starts, ends=ends, axes=from_whole.rotate(way.axes))
+    way = BeamWay(*(np.ascontiguousarray(part, dtype=float) for part in way))
     struck = StruckParts(np.zeros((count, m)), np.zeros(count), np.full(count, np.inf), np.zeros(count))
     volume, done = np.ascontiguousarray(volume), 0
     while done < count:
@@ -109,3 +127,9 @@ def _begin_dose(stock: Stock, kind: str, *, takes: bool) -> None:
         stock.doses[kind] = np.zeros(stock.field.columns.number.shape)
     if takes:
         stock.lattice = None
+
+
+def _make_room(stock: Stock, axes: Array) -> None:
+    """Room for cuts into the sides of columns where one of these axes (c, 3) leans."""
+    while stock.field.columns.lo.shape[2] < ROOM_ACROSS and (np.abs(axes[:, 2]) < LEANS).any():
+        stock.grow()

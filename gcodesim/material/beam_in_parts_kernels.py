@@ -15,8 +15,6 @@ from numpy.typing import NDArray
 
 from gcodesim.compiled import kernel
 from gcodesim.material.beam_kernels import (
-    CROWDED,
-    MOST_INTERVALS,
     PEAK,
     Ablating,
     BeamForm,
@@ -24,9 +22,9 @@ from gcodesim.material.beam_kernels import (
     Ray,
     StruckParts,
     aim_at,
-    distance_to,
     follow_ray,
     line_of,
+    needs_room,
     steps_of,
     tip_at,
 )
@@ -38,10 +36,11 @@ STAGES = 64  # stocks that a ray may enter, one after the other
 
 
 class Together(NamedTuple):
-    """How m stocks stand: the origins of their frames (m, 3) [m], seen from that of number `home`, whose columns are
-    the finest; rays stand at most `widest` [m] apart."""
+    """How m stocks stand: the origins `at` (m, 3) [m] and the axes, as columns of `turns` (m, 3, 3), of their frames,
+    seen from that of number `home`, whose columns are the finest; rays stand at most `widest` [m] apart."""
 
     at: Array
+    turns: Array
     home: int
     widest: float
 
@@ -74,13 +73,28 @@ def part_of(parts: AblatingParts, k: int) -> Ablating:
 
 
 @kernel
-def first_met(on: Ablating, at: Array, ray: Ray, t: float) -> float:
-    """How far [m] along a ray it first meets material of a stock that stands at (3,), beyond t [m]; infinite: none."""
-    peak = on.notes[PEAK]
+def seen_by(together: Together, k: int, ray: Ray, t: float, until: float) -> Ray:
+    """The part of a ray between t and `until` [m], in the frame of stock k; it takes nothing and gives nothing."""
+    at, R = together.at[k], together.turns[k]
     x, y, z = ray.x - at[0] + ray.dx * t, ray.y - at[1] + ray.dy * t, ray.z - at[2] + ray.dz * t
-    _, _, first = follow_ray(on, Ray(x, y, z, ray.dx, ray.dy, ray.dz, ray.far - t, 0.0, 0.0))
+    return Ray(
+        R[0, 0] * x + R[1, 0] * y + R[2, 0] * z,
+        R[0, 1] * x + R[1, 1] * y + R[2, 1] * z,
+        R[0, 2] * x + R[1, 2] * y + R[2, 2] * z,
+        R[0, 0] * ray.dx + R[1, 0] * ray.dy + R[2, 0] * ray.dz,
+        R[0, 1] * ray.dx + R[1, 1] * ray.dy + R[2, 1] * ray.dz,
+        R[0, 2] * ray.dx + R[1, 2] * ray.dy + R[2, 2] * ray.dz,
+        until - t, 0.0, 0.0, 0.0,
+    )  # fmt: skip
+
+
+@kernel
+def first_met(on: Ablating, ray: Ray) -> float:
+    """How far [m] along a ray it first meets material; infinite: none."""
+    peak = on.notes[PEAK]
+    first = follow_ray(on, ray)[2]
     on.notes[PEAK] = peak
-    return t + first
+    return first
 
 
 @kernel
@@ -96,7 +110,7 @@ def follow_through(
     for _ in range(STAGES):
         first, second, which = math.inf, math.inf, -1
         for k in range(len(parts.lo)):
-            met = first_met(part_of(parts, k), together.at[k], ray, t)
+            met = t + first_met(part_of(parts, k), seen_by(together, k, ray, t, ray.far))
             if met < first:
                 first, second, which = met, first, k
             elif met < second:
@@ -104,14 +118,17 @@ def follow_through(
         if which < 0:
             break
         start = min(start, first)
-        on, at = part_of(parts, which), together.at[which]
+        on = part_of(parts, which)
         area = on.field.grid.dx * on.field.grid.dy
         until = min(max(second, first + 1.0e-9 * on.field.grid.dx), ray.far)
-        rest_of_ray = Ray(
-            ray.x - at[0] + ray.dx * t, ray.y - at[1] + ray.dy * t, ray.z - at[2] + ray.dz * t,
-            ray.dx, ray.dy, ray.dz, until - t, left * ray.length * takes[which] / area, left * ray.dose / area,
+        own = seen_by(together, which, ray, t, until)
+        rest, length, _ = follow_ray(
+            on,
+            Ray(
+                own.x, own.y, own.z, own.dx, own.dy, own.dz, own.far,
+                left * ray.length * takes[which] / area, left * ray.dose / area, ray.width,
+            ),
         )  # fmt: skip
-        rest, length, _ = follow_ray(on, rest_of_ray)
         gone[which] += length * area
         left *= rest
         t = until
@@ -137,8 +154,10 @@ def shine_through(
     [m] from the focus to where it did.
     """
     s = math.inf
+    begin, far = form.mouth, form.reach - form.mouth
+    axis = Ray(p[0] + d[0] * begin, p[1] + d[1] * begin, p[2] + d[2] * begin, d[0], d[1], d[2], far, 0.0, 0.0, 0.0)
     for k in range(len(parts.lo)):
-        s = min(s, distance_to(part_of(parts, k), p - together.at[k], d, form))
+        s = min(s, begin + follow_ray(part_of(parts, k), seen_by(together, k, axis, 0.0, far))[2])
     aim = aim_at(part_of(parts, together.home).field, form, p, d, s, together.widest)
     met, off = 0.0, math.inf
     for a in range(aim.bundle.na):
@@ -148,6 +167,7 @@ def shine_through(
             line = line_of(form, aim, d, a, b)
             ray = Ray(
                 line.x, line.y, line.z, line.dx, line.dy, line.dz, line.far, line.weight, line.weight * given,
+                aim.width,
             )  # fmt: skip
             left, far = follow_through(parts, together, ray, takes, gone)
             met += line.weight * (1.0 - left)
@@ -187,7 +207,7 @@ def strike_through(
         for k in range(len(parts.lo)):
             struck.dose[c] = max(struck.dose[c], parts.notes[k, PEAK])
             parts.notes[k, PEAK] = 0.0
-            if parts.notes[k, CROWDED] > 0.0 and parts.lo.shape[3] < MOST_INTERVALS:
+            if needs_room(parts.notes[k], parts.lo.shape[3]):
                 crowded = True
         if crowded:
             return c + 1

@@ -86,7 +86,7 @@ class StruckParts(NamedTuple):
 
 class Ray(NamedTuple):
     """A ray from (x, y, z) [m] in the direction (dx, dy, dz), over the distance `far` [m]; `length` [m] is the height
-    of a column that it could take, `dose` [per m²] what it gives to one."""
+    of a column that it could take, `dose` [per m²] what it gives to one; `width` [m] is the side of its section."""
 
     x: float
     y: float
@@ -97,11 +97,13 @@ class Ray(NamedTuple):
     far: float
     length: float
     dose: float
+    width: float
 
 
 class Ablating(NamedTuple):
     """What a beam acts on: the field, the `dose` (nx, ny) [per m²] of its columns so far, the dose that goes by before
-    material is taken; `notes` (2,): the greatest dose of a column, and whether one had no room for an interval."""
+    material is taken; `notes` (2,): the greatest dose of a column, and whether one had no room for an interval (1), or
+    would have none for the next cut into its side (2)."""
 
     field: Field
     dose: Array
@@ -110,7 +112,7 @@ class Ablating(NamedTuple):
 
 
 PEAK, CROWDED = 0, 1  # of the notes
-MOST_INTERVALS = 16
+MOST_INTERVALS, MOST_ACROSS = 16, 64  # more of them for cuts into the sides of columns, one above the other
 
 
 @kernel
@@ -190,7 +192,7 @@ def take(on: Ablating, i: int, j: int, k: int, bottom: float, top: float) -> tup
     gone = subtract(columns, i, j, bottom, top)
     if gone < 0.0:
         length = top - bottom
-        on.notes[CROWDED] = 1.0
+        on.notes[CROWDED] = max(on.notes[CROWDED], 1.0)
         if hi - top <= bottom - lo:
             gone = subtract(columns, i, j, hi - length, hi)
         else:
@@ -203,13 +205,13 @@ def take(on: Ablating, i: int, j: int, k: int, bottom: float, top: float) -> tup
 
 @kernel
 def strike_column(
-    on: Ablating, i: int, j: int, entry: float, leave: float, ray: Ray, share: float
+    on: Ablating, i: int, j: int, entry: float, leave: float, ray: Ray, share: float, across: bool
 ) -> tuple[float, float, float]:
     """A ray passes through a column, from height `entry` to `leave` [m], with the `share` of it that is left.
 
     Returns the share that is left behind the column, the length that is gone [m], and the height where it met
     material, not a number where it met none. Downwards it eats from above, upwards from below; a ray that comes in
-    through the side takes no more than lies on its way.
+    through the side, as one does that goes `across`, takes no more than lies on its way.
     """
     columns = on.field.columns
     met, gone_all, came = math.nan, 0.0, share
@@ -231,12 +233,15 @@ def strike_column(
             break
         lo, hi = columns.lo[i, j, k], columns.hi[i, j, k]
         end = lo if down else hi
-        if (at < hi) if down else (at > lo):  # through the side
+        side = across or ((at < hi) if down else (at > lo))
+        if side:
             end = max(lo, leave) if down else min(hi, leave)
         wanted, room = share * ray.length, abs(at - end)
         part = min(wanted, room)
         gone, counted = take(on, i, j, k, at - part if down else at, at if down else at + part)
         gone_all += counted
+        if side and columns.number[i, j] == columns.lo.shape[2]:
+            on.notes[CROWDED] = 2.0  # the next cut into its side finds no room
         share = 0.0 if wanted <= room or gone <= 0.0 else max(share - gone / ray.length, 0.0)
         if share <= 0.0:
             break
@@ -249,7 +254,10 @@ def strike_column(
 @kernel
 def follow_ray(on: Ablating, ray: Ray) -> tuple[float, float, float]:
     """One ray through the field: the share that met nothing, the length [m] of column that is gone, and how far along
-    the ray [m] it first met material (infinite: not at all)."""
+    the ray [m] it first met material (infinite: not at all).
+
+    One that goes across the columns acts on as much of their height as its own section has, since it stays as high.
+    """
     grid = on.field.grid
     nx, ny = on.field.columns.number.shape
     first, gone_all = math.inf, 0.0
@@ -257,7 +265,7 @@ def follow_ray(on: Ablating, ray: Ray) -> tuple[float, float, float]:
         i, j = math.floor((ray.x - grid.x) / grid.dx), math.floor((ray.y - grid.y) / grid.dy)
         if i < 0 or j < 0 or i >= nx or j >= ny:
             return 1.0, 0.0, first
-        left, gone, met = strike_column(on, i, j, ray.z, ray.z + ray.dz * ray.far, ray, 1.0)
+        left, gone, met = strike_column(on, i, j, ray.z, ray.z + ray.dz * ray.far, ray, 1.0, False)
         return left, gone, abs(met - ray.z) if met == met else first
     begin, end = 0.0, ray.far  # where the ray is over the grid
     for axis in range(2):
@@ -277,17 +285,22 @@ def follow_ray(on: Ablating, ray: Ray) -> tuple[float, float, float]:
     i = min(max(math.floor((ray.x + ray.dx * (t + nudge) - grid.x) / grid.dx), 0), nx - 1)
     j = min(max(math.floor((ray.y + ray.dy * (t + nudge) - grid.y) / grid.dy), 0), ny - 1)
     step_i, step_j = (1 if ray.dx > 0.0 else -1), (1 if ray.dy > 0.0 else -1)
+    across = ray.width > 0.0 and abs(ray.dz) < STEEP
+    height = ray.width / math.sqrt(ray.dx * ray.dx + ray.dy * ray.dy) if across else 0.0
     while t < end:
         to_x = (grid.x + grid.dx * (i + (step_i > 0)) - ray.x) / ray.dx if ray.dx != 0.0 else math.inf
         to_y = (grid.y + grid.dy * (j + (step_j > 0)) - ray.y) / ray.dy if ray.dy != 0.0 else math.inf
         until = max(min(to_x, to_y, end), t)
         entry, leave = ray.z + ray.dz * t, ray.z + ray.dz * until
+        if across and abs(leave - entry) < height:
+            middle, half = 0.5 * (entry + leave), 0.5 * height if leave <= entry else -0.5 * height
+            entry, leave = middle + half, middle - half
         if leave == entry:
             leave = entry - nudge
-        left, gone, met = strike_column(on, i, j, entry, leave, ray, left)
+        left, gone, met = strike_column(on, i, j, entry, leave, ray, left, across)
         gone_all += gone
         if met == met and first == math.inf:
-            first = t if ray.dz == 0.0 else max(t, (met - ray.z) / ray.dz)
+            first = t if across or ray.dz == 0.0 else max(t, (met - ray.z) / ray.dz)
         if left <= 0.0:
             return 0.0, gone_all, first
         t = until
@@ -304,7 +317,7 @@ def follow_ray(on: Ablating, ray: Ray) -> tuple[float, float, float]:
 def distance_to(on: Ablating, p: Array, d: Array, form: BeamForm) -> float:
     """How far [m] beyond the tip at p (3,) the axis along d (3,) first strikes material; infinite: nowhere."""
     begin, far = form.mouth, form.reach - form.mouth
-    axis = Ray(p[0] + d[0] * begin, p[1] + d[1] * begin, p[2] + d[2] * begin, d[0], d[1], d[2], far, 0.0, 0.0)
+    axis = Ray(p[0] + d[0] * begin, p[1] + d[1] * begin, p[2] + d[2] * begin, d[0], d[1], d[2], far, 0.0, 0.0, 0.0)
     return begin + follow_ray(on, axis)[2]
 
 
@@ -347,11 +360,12 @@ def bundle_of(field: Field, centre: Array, d: Array, finest: float, outer: float
 
 
 class BeamAim(NamedTuple):
-    """A beam that stands at one place: its rays, how much of it each has (`weights` (na · nb,), together `total`), and
-    where its axis first strikes: `centre` (3,), at the distance `s` [m] beyond the tip, with its `radius` and `growth`
-    there."""
+    """A beam that stands at one place: its rays, how much of it each has (`weights` (na · nb,), together `total`), the
+    side of the section of each, `width` [m], and where its axis first strikes: `centre` (3,), at the distance `s` [m]
+    beyond the tip, with its `radius` and `growth` there."""
 
     bundle: Bundle
+    width: float
     weights: Array
     total: float
     centre: Array
@@ -388,7 +402,10 @@ def aim_at(field: Field, form: BeamForm, p: Array, d: Array, s: float, widest: f
     outer = radius * (GAUSSIAN_REACH if form.profile == GAUSSIAN else 1.0)
     finest = min(radius / (ACROSS if form.profile == GAUSSIAN else TO_THE_RIM), widest)
     bundle = bundle_of(field, centre, d, finest, outer)
-    spread = max(math.sqrt(length_of(bundle.first) * length_of(bundle.second)), 1.0e-3 * radius)
+    apart = math.sqrt(length_of(bundle.first) * length_of(bundle.second))
+    spread = max(apart, 1.0e-3 * radius)
+    level = bundle.first[2] == 0.0 and bundle.second[2] == 0.0
+    width = apart * math.sqrt(abs(d[2])) if level else apart
     total = 0.0
     weights = np.empty(bundle.na * bundle.nb)
     for a in range(bundle.na):
@@ -404,7 +421,8 @@ def aim_at(field: Field, form: BeamForm, p: Array, d: Array, s: float, widest: f
     if total <= 0.0:  # thinner than the rays stand apart: its axis alone
         bundle = Bundle(centre, np.zeros(3), np.zeros(3), 1, 1)
         weights[0] = total = 1.0
-    return BeamAim(bundle, weights, total, centre, s, radius, growth)
+        width = math.sqrt(math.pi) * radius
+    return BeamAim(bundle, width, weights, total, centre, s, radius, growth)
 
 
 @kernel
@@ -447,7 +465,7 @@ def shine(on: Ablating, form: BeamForm, p: Array, d: Array, volume: float, given
             line = line_of(form, aim, d, a, b)
             ray = Ray(
                 line.x, line.y, line.z, line.dx, line.dy, line.dz, line.far,
-                line.weight * volume / area, line.weight * given / area,
+                line.weight * volume / area, line.weight * given / area, aim.width,
             )  # fmt: skip
             left, length, far = follow_ray(on, ray)
             gone += length
@@ -474,6 +492,12 @@ def tip_at(way: BeamWay, c: int, share: float, p: Array) -> None:
         p[n] = way.starts[c, n] + share * (way.ends[c, n] - way.starts[c, n])
 
 
+@kernel(inlined=True)
+def needs_room(notes: Array, room: int) -> bool:
+    """Whether columns with room for so many intervals are to get more."""
+    return (notes[CROWDED] > 0.0 and room < MOST_INTERVALS) or (notes[CROWDED] > 1.0 and room < MOST_ACROSS)
+
+
 @kernel
 def strike(on: Ablating, form: BeamForm, way: BeamWay, first: int, struck: Struck) -> int:
     """Pieces `first` … of a beam's way in order; the index of the piece before which columns get more room, or their
@@ -495,6 +519,6 @@ def strike(on: Ablating, form: BeamForm, way: BeamWay, first: int, struck: Struc
             struck.off[c] = min(struck.off[c], off)
         struck.dose[c] = on.notes[PEAK]
         on.notes[PEAK] = 0.0
-        if on.notes[CROWDED] > 0.0 and room < MOST_INTERVALS:
+        if needs_room(on.notes, room):
             return c + 1
     return len(way.volume)

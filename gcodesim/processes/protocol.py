@@ -113,7 +113,7 @@ class Process:
     A kind of process is a frozen dataclass below this. `kind` is its name in the table `PROCESSES`; `acts_on` its sort
     of target; `takes` says that it removes material, `pushes` that it exerts a force, so that a machine may yield;
     `lays` that it adds material to a stock, which may grow beyond its box; `together` that it acts on a stock
-    with all parts that stand in it at once, where their axes are the same: it is given a `material.StockAssembly`, or,
+    with all parts that stand in it at once, however they are turned: it is given a `material.StockAssembly`, or,
     where it lays, the whole with the parts in it;
     `touches` says that it is about the tool in contact, so that it is not asked where a probe touches on purpose;
     `told_by_words` are codes of findings about its switch that follow from the words of a program alone, without a run:

@@ -54,10 +54,10 @@ class PlacedStock:
         """Whether it turns in a lathe; then `stock` is a `material.Revolved`."""
         return hasattr(self.stock, "profile")
 
-    def origin_in(self, whole: PlacedStock) -> Array | None:
-        """Its origin (3,) [m] in the frame of the stock that it is a part of; None where its axes are others."""
+    def seen_from(self, whole: PlacedStock) -> Pose:
+        """Its frame in that of the stock that it is a part of; axes that are the same but for rounding are the same."""
         X: Pose = whole.X_WS.inverse() @ self.X_WS
-        return X.p if float(np.abs(X.R - np.eye(3)).max()) < SAME_AXES else None
+        return Pose(X.p, np.eye(3)) if float(np.abs(X.R - np.eye(3)).max()) < SAME_AXES else X
 
 
 @frozen(eq=False)

@@ -16,7 +16,6 @@ from gcodesim.cell.stock import solid_of
 from gcodesim.diagnostics import Diagnostic
 from gcodesim.frames import Pose
 from gcodesim.scene import Stand
-from gcodesim.shop.assemblies import turned_parts
 from gcodesim.shop.blanks import blank, blank_left
 from gcodesim.shop.coats import coated_bodies
 from gcodesim.shop.shop import PlacedStock, Shop
@@ -60,7 +59,6 @@ def with_stock(shop: Shop, left: Mapping[str, Path] | None = None) -> tuple[Shop
         stocks[name] = PlacedStock(
             name=name, frame=frame, spec=spec, stock=made, X_WS=X_WS @ turn, material=material, initial=made.volume
         )
-    findings += _apart(shop, stocks)
     stocked = replace(shop, stocks=stocks, scene=shop.scene.with_frames(stands))
     return replace(stocked, coated=coated_bodies(stocked)), findings
 
@@ -100,26 +98,6 @@ def _fitted(shop: Shop, fresh: Mapping[str, Stock]) -> list[Diagnostic]:
                 )
             )
     return findings
-
-
-def _apart(shop: Shop, stocks: Mapping[str, PlacedStock]) -> list[Diagnostic]:
-    """GS931 for each tool that does not see a part together with its stock, because it stands turned in it."""
-    turned = turned_parts(stocks)
-    if not turned:
-        return []
-    from gcodesim.processes import PROCESSES
-
-    part, whole = turned[0]
-    return [
-        Diagnostic(
-            code="GS931",
-            span=shop.cell.span("tools", number),
-            message=f"{tool.name} acts on `{part.name}`, which stands turned in `{whole.name}`, as if it were alone",
-            hint="give the part the axes of its stock, for example by a mesh that is turned",
-        )
-        for number, tool in sorted(shop.cell.tools.items())
-        if any(PROCESSES[kind].together for kind in tool.processes)
-    ]
 
 
 def _upright(shop: Shop, stock: Stock, X_WS: Pose) -> Stock:

@@ -197,7 +197,44 @@ def test_a_part_that_stands_up_is_in_the_way_of_a_bead():
     assert swollen[1] > 10.0
 
 
-def test_a_part_that_stands_turned_is_met_alone_and_it_is_told():
-    turned = SCREW.replace("xyz: [0, 0, 2]", "xyz: [0, 0, 1], rpy: [30, 0, 0]")
-    ran = beamed(PLATE + "}\n" + turned + "c45}\n")
-    assert [f.code for f in ran.results.findings].count("GS931") == 2  # two tools
+LYING = "  pin: {cylinder: [4, 20], zero: center, xyz: [0, 0, -3], rpy: RPY, inside: plate, resolution: 0.2, material: "
+TURNS = ("[90, 0, 0]", "[75, 0, 20]", "[60, 10, 0]")
+
+
+@pytest.mark.parametrize("rpy", TURNS)
+def test_a_beam_goes_from_a_plate_into_a_pin_that_lies_turned_in_it(rpy):
+    """All of the pin is inside of the plate, whose lid over it is 1 mm thick; the jet goes 1.5 mm deep."""
+    whole = beamed(PLATE + "}\n", 5)
+    parts = beamed(PLATE + "}\n" + LYING.replace("RPY", rpy) + "al6082_t6}\n", 5)
+
+    (one,) = removed(whole).values()
+    assert [f.code for f in parts.results.findings if f.code != "GS402"] == []
+    assert sum(removed(parts).values()) == pytest.approx(one, rel=2e-3)
+    assert sum(parts.shop.stocks[name].stock.doses["wear"].max() > 0.0 for name in removed(parts)) == 2
+
+
+def test_a_bead_lies_on_a_part_that_stands_turned():
+    """A block turned about Z is level with its plate: the bead is as on one piece."""
+    block = "  block: {box: [10, 10, 5], zero: top-center, xyz: [0, 0, 0], rpy: [0, 0, 30], inside: plate, "
+    whole = printed(PLATE + "}\n", LINE)
+    parts = printed(PLATE + "}\n" + block + "resolution: 0.2, material: c45}\n", LINE)
+    deposited = {name: stock.deposited / MM3 for name, stock in parts.results.stocks.items()}
+    (one,) = (stock.deposited / MM3 for stock in whole.results.stocks.values())
+
+    assert parts.misuse == whole.misuse
+    assert deposited == {"plate": pytest.approx(one, rel=1e-3), "block": 0.0}
+    extruder = [next(t for t in ran.results.tools if t["number"] == 2) for ran in (whole, parts)]
+    assert extruder[1]["swollen_mm3"] == pytest.approx(extruder[0]["swollen_mm3"], abs=1.0)
+
+
+def test_a_pin_that_leans_through_a_plate_is_milled_away_to_a_depth():
+    """What is left of it is what lies below the floor, half of it less 1 mm of height."""
+    pin = "  pin: {cylinder: [2, 10], zero: center, xyz: [0, 0, -5], rpy: [30, 0, 0], inside: plate, resolution: 0.05, "
+    ran = run_texts(SLOT, CELL + PLATE + "}\n" + pin + "material: al6082_t6}\n")
+    exact = math.pi * (5.0 - 1.0 / math.cos(math.radians(30.0)))
+
+    assert ran.misuse == []
+    assert removed(ran)["pin"] == pytest.approx(exact, rel=0.01)
+    whole = run_texts(SLOT, CELL + PLATE + "}\n")
+    (one,) = removed(whole).values()
+    assert sum(removed(ran).values()) == pytest.approx(one, rel=2e-3)

@@ -10,6 +10,7 @@ import pytest
 
 from gcodesim.cell.loader import read_cell
 from gcodesim.diagnostics import SourceText
+from gcodesim.shop import PlacedStock
 from gcodesim.simulation import Options, prepare
 from tests.physics.runs import run_texts
 
@@ -97,3 +98,50 @@ def test_the_work_stands_on_one_table() -> None:
     twice = ROUTER.replace("externals:\n", "externals:\n  other: {axes: {B: {travel: unlimited, speed: 9 deg/s}}}\n")
     loaded = read_cell(SourceText("cell.yaml", twice.encode()), Path("cell.yaml"))
     assert "the work of a machine tool stands on one table" in next(iter(loaded.findings)).message
+
+
+WRAPPED = """G21 G90 G54
+T1 M6 G43
+G0 X0 Y0 Z30 A0
+G0 Z20
+M62 P0
+G1 A360 F1200
+M63 P0
+G0 Z30
+M2
+"""
+BEAMS = {
+    "jet": "{type: jet, diameter: 2, removal_rate: 20 mm^3/s, length: 60}",
+    "laser": "{type: laser, diameter: 2, power: 100 W, specific_energy: 5 J/mm^3, absorptivity: 1, length: 60}",
+}
+
+
+@pytest.mark.parametrize("tool", BEAMS)
+def test_a_beam_goes_around_a_bar_as_deep_everywhere(tool: str) -> None:
+    """20 mm³/s for 18 s, and 20/300 s to gather way: as much from each sector, whichever way columns lie there."""
+    cell = ROUTER.replace("{type: flat_end_mill, diameter: 8, flutes: 2, length: 60}", BEAMS[tool])
+    ran = run_texts(WRAPPED, cell + "signals: {beam: {word: M62 P0}}\n")
+    (placed,) = ran.shop.stocks.values()
+    angle, volume = sectors_of_what_is_gone(placed)
+
+    assert ran.misuse == []
+    whole = 20.0 * (18.0 + 20.0 / 300.0) * MM**3
+    assert ran.stock.removed == pytest.approx(whole, rel=1e-3)
+    assert volume.sum() == pytest.approx(whole, rel=0.01)
+    for middle in range(0, 360, 30):
+        own = volume[np.abs((angle - middle + 180.0) % 360.0 - 180.0) < 15.0].sum()
+        assert own == pytest.approx(30.0 * MM**3, rel=0.06), middle
+
+
+def sectors_of_what_is_gone(placed: PlacedStock) -> tuple[np.ndarray, np.ndarray]:
+    """Angles [deg] about the bar, from the top on, of bits that were cut, with their volumes [m³]."""
+    stock, step = placed.stock, 0.02 * MM
+    z = np.arange(-20 * MM + 0.5 * step, 20 * MM, step)
+    there = [np.zeros((*stock.field.columns.number.shape, len(z)), dtype=bool) for _ in range(2)]
+    for held, (lo, hi, number) in zip(there, (stock.original, stock.field.columns), strict=True):
+        for k in range(lo.shape[2]):
+            held |= (k < number)[:, :, None] & (z >= lo[:, :, k, None]) & (z < hi[:, :, k, None])
+    _, j, k = np.nonzero(there[0] & ~there[1])
+    grid = stock.field.grid
+    across = grid.y + (j + 0.5) * grid.dy
+    return np.degrees(np.arctan2(across, z[k])), np.full(len(j), grid.dx * grid.dy * step)

@@ -190,16 +190,6 @@ CODES += (
         remedy="Give constants from own tests under `materials:`, with their source, and name that material.",
     ),
     Code(
-        code="GS931",
-        severity=Severity.NOTE,
-        title="A turned part is not seen together with its stock",
-        what="A beam, a jet, a torch or an extruder works on stock with a part that stands turned in it (`rpy`). Beams "
-        "and beads see layers, and parts with the axes of their stock, together, as cutters do; a turned part is met "
-        "as if the stock were not there, and the stock as if it had a hole.",
-        why="Where one lies in the shade of the other, too much is taken, and beads see a hole where the part is.",
-        remedy="Give the part the axes of its stock, for example by a mesh that is turned.",
-    ),
-    Code(
         code="GS921",
         severity=Severity.NOTE,
         title="Heaters are not simulated",

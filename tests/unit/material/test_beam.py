@@ -102,6 +102,39 @@ def test_a_jet_that_leans_across_its_way_goes_less_deep(degrees: float) -> None:
     assert cut.sum() * stock.spacing[1] == pytest.approx(1e-3 / np.cos(lean), rel=0.1)
 
 
+@pytest.mark.parametrize("degrees", [-25.0, -16.0, -5.0, 0.0, 1.0, 10.0, 20.0])
+def test_a_jet_from_the_side_goes_into_the_side(degrees: float) -> None:
+    """As deep as from above, within its own footprint, however level it is; nothing is lost or passed by."""
+    block = Stock.box((-6e-3, -6e-3, -6e-3), (6e-3, 6e-3, 6e-3), 0.25e-3)
+    rise, n = np.radians(degrees), 40
+    ends = np.linspace([-4.03e-3, 6e-3, 0.07e-3], [4.03e-3, 6e-3, 0.07e-3], n + 1)
+    axis = np.array([0.0, np.cos(rise), -np.sin(rise)])
+    way = BeamWay(ends[:-1], ends[1:], np.tile(axis, (n, 1)), np.full(n, 24e-9 / n), np.ones(n))
+    struck = strike_stock(block, form("top_hat", 1e-3)._replace(mouth=-1e-3, reach=40e-3), way, "test")
+    gone = removed_points(block, 0.02e-3)
+    deep = (6e-3 - gone[:, 1]) / np.cos(rise)
+    beside = (gone[:, 2] - 0.07e-3 - np.tan(rise) * (6e-3 - gone[:, 1])) * np.cos(rise)
+
+    assert struck.taken.sum() == pytest.approx(24e-9, rel=1e-6)
+    assert struck.met.sum() == pytest.approx(n, rel=1e-9)
+    assert len(gone) * 0.25e-3**2 * 0.02e-3 == pytest.approx(24e-9, rel=0.01)
+    assert abs(beside).max() < 1e-3 + 0.3e-3
+    assert deep.max() < 1.91e-3 + 0.6e-3  # 24 mm³ over pi/2 · 8 mm of chords, in their middle
+    assert np.median(deep) == pytest.approx(0.75e-3, abs=0.15e-3)
+
+
+def removed_points(stock: Stock, step: float) -> np.ndarray:
+    """Points (n, 3) of a box of +-6 mm that hold nothing any more, `step` apart along z and a column across."""
+    lo, hi, number = stock.field.columns
+    z = np.arange(-6e-3 + 0.5 * step, 6e-3, step)
+    held = np.zeros((*number.shape, len(z)), dtype=bool)
+    for k in range(lo.shape[2]):
+        held |= (k < number)[:, :, None] & (z >= lo[:, :, k, None]) & (z < hi[:, :, k, None])
+    i, j, k = np.nonzero(~held)
+    grid = stock.field.grid
+    return np.stack([grid.x + (i + 0.5) * grid.dx, grid.y + (j + 0.5) * grid.dy, z[k]], axis=1)
+
+
 def test_what_goes_through_is_not_kept() -> None:
     """A jet that could go 10 mm deep cuts a slit through 6 mm; the rest met nothing."""
     stock = plate()
