@@ -95,7 +95,7 @@ def non_modal(words: Words, control: Control) -> None:
 def _set_data(words: Words, control: Control) -> None:
     level = words.whole("l", "G10")
     if level in (2, 20):
-        _set_system(words, control, level)
+        set_system(words, control, level)
     elif level in (1, 10, 11):
         _set_tool(words, control, level)
     elif level == 0:  # reload the tool table: it is the one we have
@@ -107,7 +107,8 @@ def _set_data(words: Words, control: Control) -> None:
         raise Fault("GS105", message, at="l" if level is not None else "g10", hint="L1 L2 L10 L11 L20 are known")
 
 
-def _set_system(words: Words, control: Control, level: int) -> None:
+def set_system(words: Words, control: Control, level: int) -> None:
+    """G10 L2 or L20 (`level`): the offsets of work system P, 0 the active one; raises `Fault`."""
     words.need("p", "GS105", "G10", "P1 is G54, P9 is G59.3, P0 the active system")
     index = words.whole("p", "G10")
     assert index is not None

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Generator
+from collections.abc import Generator, Iterable, Mapping
 from dataclasses import replace
+from functools import cached_property
 from typing import Final, cast
 
 from gcodesim import canon
@@ -20,13 +21,16 @@ from gcodesim.rs274.marlin.codes import CODES
 from gcodesim.rs274.marlin.comments import take_comment
 from gcodesim.rs274.marlin.duet.commands import Interpreter, code_of, command_of, filled
 from gcodesim.rs274.marlin.duet.frame import BlockFrame, ModesOfCaller
-from gcodesim.rs274.marlin.duet.macro_call import MacroCall, call_of, files_of, is_call
+from gcodesim.rs274.marlin.duet.macro_call import MacroCall, call_of, files_of, given_by, is_call
 from gcodesim.rs274.marlin.duet.object_model import ObjectModel
+from gcodesim.rs274.marlin.duet.own_codes import codes_in, own_code
+from gcodesim.rs274.marlin.duet.syntax import Value
+from gcodesim.rs274.marlin.duet.tool_change import ChangeStep, steps_of
 from gcodesim.rs274.marlin.halted_print import HaltedPrint
 from gcodesim.rs274.marlin.limits import first_limits, first_retraction
 from gcodesim.rs274.marlin.line import MarlinLine, line_of
 from gcodesim.rs274.marlin.macros import MACROS
-from gcodesim.rs274.marlin.moves import MOVES, change_unit
+from gcodesim.rs274.marlin.moves import MOVES, SYSTEMS, change_unit, choose_system, here
 from gcodesim.rs274.marlin.printer import Printer
 from gcodesim.rs274.marlin.printer_file import PrinterFile
 from gcodesim.rs274.marlin.said import remember
@@ -57,6 +61,9 @@ _SHOWN: Final = ("M0", "M1")
 _META: Final = frozenset(("VAR", "GLOBAL", "SET", "IF", "ELIF", "ELSE", "WHILE", "BREAK", "CONTINUE", "ABORT", "SKIP"))
 """Commands of RepRapFirmware that say which lines are done, and with what (docs.duet3d.com, GCode meta commands)."""
 
+_CHANGE_POINT: Final = 2
+"""Number of the place at which a T found the head (RepRapFirmware, ToolChangeRestorePointNumber)."""
+
 _NO_NOZZLE: Final = 255
 """T255, T1000 and the like are no nozzles: with them Bambu's start code unloads filament, or ends a change."""
 
@@ -80,6 +87,7 @@ class PrinterExecutor(Executor):
         self._first_number = 1 if tools and 0 not in tools else 0
         self._limited = bool(run.settings.limits)
         self._mounted = -1
+        self.first_origin = (0.0, 0.0, 0.0)
 
     def _own_lanes(self) -> Lanes | None:
         size, choice = len(self.run.source.raw), self.run.settings.lane
@@ -105,6 +113,8 @@ class PrinterExecutor(Executor):
     def _initial_path_control(self) -> None:
         super()._initial_path_control()
         control = self.control
+        x, y, z = (at * control.state.unit for at in control.state.origin[:3])
+        self.first_origin = x, y, z
         control.out.append(canon.PlannerLimits(span=control.span, limits=self.printer.limits))
         loaded = self.run.settings.loaded_tool
         known = [number for number in (loaded, 0, min(control.tools, default=0)) if number in control.tools]
@@ -127,8 +137,12 @@ class PrinterExecutor(Executor):
                     self.meta.execute(command, index)
                     self._watch(control.out)
                     return
-                if is_call(code := code_of(text)):
+                self.meta.index = index
+                code = code_of(text)
+                if is_call(code):
                     self._call_macro(code, index, self.meta)
+                    return
+                if self._own_codes and self._call_own_code(code, index, self.meta):
                     return
             line = line_of(text) if self.meta is None or "{" not in text else self._filled(text, index, self.meta)
             if line.note and not line.name and not line.values and take_comment(line.note, self.printer):
@@ -173,7 +187,7 @@ class PrinterExecutor(Executor):
 
     def _call_macro(self, code: str, index: int, meta: Interpreter) -> None:
         """M98: go on in the file that it names; told where there is none, as the printer does."""
-        control, printer = self.control, self.printer
+        control = self.control
         meta.index = index
         call = call_of(code, meta)
         if call is None:
@@ -185,8 +199,19 @@ class PrinterExecutor(Executor):
             return
         if self.flow.was_read(file, 0):
             return
+        self._enter_macro(file, call.given, index, meta)
+
+    def _enter_macro(
+        self,
+        file: PrinterFile,
+        given: Mapping[str, Value],
+        index: int,
+        meta: Interpreter,
+        then: tuple[ChangeStep, ...] = (),
+    ) -> None:
+        control, printer = self.control, self.printer
         frame = meta.frame_of(file)
-        frame.given = call.given
+        frame.given, frame.then = given, then
         frame.modes = ModesOfCaller(control.state.unit, control.state.incremental, printer.e_relative, printer.feed)
         self.flow.enter(frame, file.name, index)
 
@@ -196,6 +221,10 @@ class PrinterExecutor(Executor):
         if not ways:
             hint = "the folder of the program is the card: `0:/macros/clean.g` is `macros/clean.g` beside the program"
             raise Fault("GS131", f"`{call.path}` is no file of the printer's card", at=call.place, hint=hint)
+        return self._file_of(ways)
+
+    def _file_of(self, ways: Iterable[str]) -> PrinterFile | None:
+        """The first of these files that is there."""
         for way in ways:
             known = self.flow.files.get(way)
             if known is None and (source := self.flow.source_of(way)) is not None:
@@ -204,15 +233,35 @@ class PrinterExecutor(Executor):
                 return cast(PrinterFile, known)
         return None
 
+    @cached_property
+    def _own_codes(self) -> dict[str, str]:
+        """The files of G and M codes that the user has made."""
+        return codes_in(self.flow.folders)
+
+    def _call_own_code(self, text: str, index: int, meta: Interpreter) -> bool:
+        """Go on in the file of a code that the user has made; false where the line has no such code."""
+        found = own_code(text)
+        if found is None or (name := self._own_codes.get(found[0])) is None:
+            return False
+        file = self._file_of([name])
+        if file is None:
+            return False
+        if not self.flow.was_read(file, 0):
+            self._enter_macro(file, given_by(text, found[1], meta), index, meta)
+        return True
+
     def leaves_macro(self) -> bool:
         """Go on behind the call of the macro that is running; false in the main program."""
         if len(self.flow.frames) == 1:
             return False
-        modes = cast(BlockFrame, self.flow.leave_file()).modes
+        left = cast(BlockFrame, self.flow.leave_file())
+        modes = left.modes
         assert modes is not None
         change_unit(self, modes.unit)
         self.control.state.incremental, self.printer.e_relative = modes.incremental, modes.e_relative
         self.printer.feed = modes.feed
+        if left.then:
+            self._change(left.then, left.callers[-1].line - 1)
         return True
 
     def _startup_blocks(self, text: str) -> list[str]:
@@ -242,6 +291,8 @@ class PrinterExecutor(Executor):
             MOVES[name](self, line)
         elif self._mapped(line):
             pass
+        elif name in SYSTEMS and self.dialect.name == "reprapfirmware":
+            choose_system(self, line)
         elif name in CODES:
             self._pass_over_text(line)
             CODES[name](self, line)
@@ -326,13 +377,44 @@ class PrinterExecutor(Executor):
 
     def choose_tool(self, index: int, line: MarlinLine) -> None:
         """T: another nozzle; T0 is tool 0 of the cell, or its tool 1 where it counts from 1."""
-        if index >= _NO_NOZZLE:
+        if index >= _NO_NOZZLE or (index < 0 and self.meta is None):
             self.skip(line.name, line)
             return
         number = index + self._first_number
-        if self.settings.has_cell and number not in self.control.tools:
+        if index >= 0 and self.settings.has_cell and number not in self.control.tools:
             self.control.tool_entry(number, "t")
+        if self.meta is None:
+            self._take(index)
+            return
+        which = line.get("p")
+        old = -1 if self.printer.chosen is None else self.printer.chosen
+        steps = steps_of(old, index, None if which is None else int(which))
+        if steps:
+            self.printer.points[_CHANGE_POINT], self.printer.coming = here(self), index
+        self._change(steps, self.meta.index)
+
+    def _change(self, steps: tuple[ChangeStep, ...], index: int) -> None:
+        """Do the rest of a change of tools that line `index` asks for, up to the next macro."""
+        assert self.meta is not None
+        for k, step in enumerate(steps):
+            if step.macros:
+                file = self._file_of(way for name in step.macros for way in files_of(name))
+                if file is not None and not self.flow.was_read(file, 0):
+                    self._enter_macro(file, {}, index, self.meta, steps[k + 1 :])
+                    return
+            else:
+                frame = self.flow.frame
+                self.control.span = Span.of_line(frame.file.name, index + 1, frame.file.lines[index], frame.callers)
+                self._take(step.tool)
+        self.printer.coming = None
+
+    def _take(self, index: int) -> None:
+        """Nozzle `index` is in use; after -1 none is, though the last one stays in the head."""
+        self.printer.chosen = index
+        if index < 0:
+            return
         self.printer.tool = index
+        number = index + self._first_number
         if number != self._mounted:
             self._put_in(number)
 

@@ -14,6 +14,7 @@ _WORD: Final = re.compile(rf"[ \t]*(?:([A-Za-z])[ \t]*({_NUMBER})?|(\()|(\S|[\v\
 _LINE_NUMBER: Final = re.compile(r"[ \t]*[Nn][ \t]*-?[0-9]+[ \t]*")
 _CHECKSUM: Final = re.compile(r"[ \t]*\*[ \t]*([0-9]+)[ \t]*$")
 _COMMAND: Final = re.compile(r"[ \t]*([GMTDgmtd])[ \t]*([0-9]+)(?:\.([0-9]+))?", re.ASCII)
+_NO_TOOL: Final = re.compile(r"[ \t]*([Tt])[ \t]*-[ \t]*0*1(?![0-9.])")
 _MACRO: Final = re.compile(r"[ \t]*([A-Za-z_][A-Za-z_][A-Za-z0-9_]*)", re.ASCII)
 _SETTING: Final = re.compile(r"([A-Za-z_][A-Za-z0-9_]*)[ \t]*=[ \t]*(\"[^\"]*\"|\S*)", re.ASCII)
 
@@ -75,6 +76,10 @@ def line_of(text: str) -> MarlinLine:
             line.text = code[found.end() :].strip()
         else:
             _read_words(code, found.end(), line)
+        return line
+    if found := _NO_TOOL.match(code, at):
+        line.place, line.name = (found.start(1), found.end()), "T-1"
+        _read_words(code, found.end(), line)
         return line
     if found := _MACRO.match(code, at):
         line.name, line.place, line.is_macro = found[1].upper(), found.span(1), True

@@ -11,6 +11,7 @@ from gcodesim.rs274.block import Block
 from gcodesim.rs274.circles import sweep_of
 from gcodesim.rs274.fault import Fault
 from gcodesim.rs274.marlin.line import MarlinLine
+from gcodesim.rs274.offsets import set_system
 from gcodesim.rs274.state import ZERO, Vector
 from gcodesim.rs274.words import Words
 from gcodesim.units import INCH, MINUTE, MM
@@ -19,6 +20,8 @@ if TYPE_CHECKING:
     from gcodesim.rs274.marlin.executor import PrinterExecutor
 
 _AXES: Final = "xyz"
+_POINTS: Final = 6
+"""Places that RepRapFirmware keeps for moves with R; 1 is that of a pause, 2 that of a change of tools."""
 _NO_BLOCK: Final = Block(line=0, text="", words=[])
 
 
@@ -81,14 +84,42 @@ def arc(do: PrinterExecutor, line: MarlinLine) -> None:
     state.current = end
 
 
+def here(do: PrinterExecutor) -> tuple[float, float, float]:
+    """Where the program stands [m]."""
+    state = do.control.state
+    x, y, z = (value * state.unit for value in state.current[:3])
+    return x, y, z
+
+
+def _kept_point(do: PrinterExecutor, line: MarlinLine, letter: str) -> int:
+    """The number of a place that is kept for moves with R."""
+    index = number(line, letter)
+    if not index.is_integer() or not 0 <= index < _POINTS:
+        message = f"{letter.upper()}{index:g} is no kept place; they count from 0 to {_POINTS - 1}"
+        raise Fault("GS106", message, at=line.places[letter], value=index, limit=_POINTS - 1)
+    return int(index)
+
+
+def keep_point(do: PrinterExecutor, line: MarlinLine) -> None:
+    """G60 of RepRapFirmware: keep where the program stands, as place S."""
+    if do.dialect.name != "reprapfirmware":
+        do.skip(line.name, line)
+        return
+    do.printer.points[_kept_point(do, line, "s") if "s" in line.values else 0] = here(do)
+
+
 def _ends(do: PrinterExecutor, line: MarlinLine) -> tuple[Vector, float]:
     """Where a move goes, and the filament [m] for it."""
     state, printer = do.control.state, do.printer
     ends = list(state.current)
+    begin: tuple[float, ...] | None = state.current if state.incremental else None
+    if "r" in line.values and line.name in ("G0", "G1") and do.dialect.name == "reprapfirmware":
+        kept = printer.points.get(_kept_point(do, line, "r"), ZERO[:3])
+        begin = tuple(at / state.unit for at in kept)
     for axis, letter in enumerate(_AXES):
         if letter in line.values:
             value = number(line, letter)
-            ends[axis] = state.current[axis] + value if state.incremental else value
+            ends[axis] = value if begin is None else begin[axis] + value
     if "f" in line.values:
         feed = number(line, "f")
         if feed > 0.0:
@@ -120,7 +151,10 @@ def extrude(do: PrinterExecutor, length: float, feed: float, by_firmware: bool =
 
 
 def retract(do: PrinterExecutor, line: MarlinLine) -> None:
-    """G10: retraction by the firmware; with P, S, R, X, Y or Z it sets a tool (RepRapFirmware)."""
+    """G10: retraction by the firmware; with L2 or L20 a work system, with other words a tool (RepRapFirmware)."""
+    if line.get("l") in (2.0, 20.0):
+        _set_system(do, line)
+        return
     if line.has("psrxyzl"):
         _set_tool(do, line)
         return
@@ -167,6 +201,24 @@ def _set_tool(do: PrinterExecutor, line: MarlinLine) -> None:
         set_offset(do, line, do.printer.tool if tool is None else int(tool), sign=-1.0)
 
 
+def _set_system(do: PrinterExecutor, line: MarlinLine) -> None:
+    """G10 L2: where the zero of work system P is, from machine zero; L20: what the place at hand is called in it."""
+    words = Words(_NO_BLOCK)
+    words.values.update({"p": 0.0, **{name: line.values[name] for name in "lpxyz" if line.get(name) is not None}})
+    try:
+        set_system(words, do.control, round(words.values["l"]))
+    except Fault as fault:
+        if isinstance(fault.at, str):
+            fault.at = line.places.get(fault.at, line.place)
+        raise
+
+
+def choose_system(do: PrinterExecutor, line: MarlinLine) -> None:
+    """G54 to G59.3: another work system; nothing moves."""
+    whole, _, further = line.name[1:].partition(".")
+    do.control.use_system(int(whole) - 53 + int(further or 0))
+
+
 def set_offset(do: PrinterExecutor, line: MarlinLine, tool: int, sign: float = 1.0) -> None:
     """Where a nozzle is, seen from the first one [program units]."""
     offset = list(do.printer.offset_of(tool))
@@ -177,7 +229,10 @@ def set_offset(do: PrinterExecutor, line: MarlinLine, tool: int, sign: float = 1
 
 
 def home(do: PrinterExecutor, line: MarlinLine) -> None:
-    """G28: X and Y go to 0 first, then Z, so that the nozzle meets nothing on its way; shifts of G92 are forgotten."""
+    """G28: X and Y go to 0 first, then Z, so that the nozzle meets nothing on its way; shifts of G92 are forgotten.
+
+    0 is that of the work system that was active at the start, wherever the program has put others.
+    """
     control = do.control
     state = control.state
     named = [letter in line.values for letter in _AXES]
@@ -194,7 +249,7 @@ def home(do: PrinterExecutor, line: MarlinLine) -> None:
         end = list(state.current)
         for axis in axes:
             if named[axis]:
-                end[axis] = 0.0
+                end[axis] = do.first_origin[axis] / state.unit - state.origin[axis]
         if tuple(end) != state.current:
             control.rapid(tuple(end), "G28")  # type: ignore[arg-type]
 
@@ -257,6 +312,9 @@ def _plane(plane: int) -> Callable[[PrinterExecutor, MarlinLine], None]:
     return act
 
 
+SYSTEMS: Final = ("G54", "G55", "G56", "G57", "G58", "G59", "G59.1", "G59.2", "G59.3")
+"""Work systems of RepRapFirmware."""
+
 MOVES: Final[dict[str, Callable[[PrinterExecutor, MarlinLine], None]]] = {
     "G0": move,
     "G1": move,
@@ -273,6 +331,7 @@ MOVES: Final[dict[str, Callable[[PrinterExecutor, MarlinLine], None]]] = {
     "G28": home,
     "G90": _distance(False),
     "G91": _distance(True),
+    "G60": keep_point,
     "G92": set_position,
     "G94": nothing,
 }

@@ -21,7 +21,8 @@ class Printer:
     `e` is the position of E, `e_relative` whether E words are steps. `areas` has the section [mm²] by which volumetric
     E words are divided, by tool (M200). `flow` and `pace` are M221 and M220. `retraction` and `recovery` are length
     [mm], speed [mm/min] and lift [mm] of G10 and G11; `is_retracted` whether G10 is in force. `said` has the
-    settings in force as lines.
+    settings in force as lines. `tool` is the nozzle in use, `chosen` the one that a T has chosen (-1: none), `coming`
+    the one that it is about to choose. `points` are places [m] that moves with R start from (G60 of RepRapFirmware).
     """
 
     limits: MotionLimits
@@ -33,6 +34,9 @@ class Printer:
     areas: dict[int, float] = field(default_factory=dict)
     offsets: dict[int, Vector] = field(default_factory=dict)
     tool: int = 0
+    chosen: int | None = None
+    coming: int | None = None
+    points: dict[int, tuple[float, float, float]] = field(default_factory=dict)
     section: Section = field(default_factory=Section)
     layers: int = 0
     said_layers: bool = False

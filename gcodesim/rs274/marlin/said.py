@@ -40,7 +40,9 @@ def is_said_again(word: str) -> bool:
 
 def remember(said: dict[Key, str], line: MarlinLine, tool: int) -> None:
     """Keep what `line` sets while nozzle `tool` is chosen; `said` has the lines in their order."""
-    if line.name not in _KEPT or (line.name == "G10" and not line.has("psrxyzl")):  # a retraction
+    if line.name not in _KEPT or (
+        line.name == "G10" and (line.get("l") in (2.0, 20.0) or not line.has("psrxyzl"))
+    ):  # work systems are in the names of places, and a retraction is said apart
         return
     group = _SAME.get(line.name, line.name)
     values = {letter: value for letter, value in line.values.items() if value is not None}

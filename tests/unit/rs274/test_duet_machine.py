@@ -233,3 +233,91 @@ def test_limits_of_axes_are_no_further_length_of_the_firmwares_retraction():
     done = Done("M207 S1 F1800\nM208 S1 X0 Y0\nM83\nG10\nG11\n")
     assert [round(1e3 * e.length, 6) for e in done.events if type(e).__name__ == "Extrude"] == [-1, 1]
     assert "M208" in done.run.not_simulated
+
+
+TOOLS = ToolTable(entries={n: ToolEntry(number=n) for n in (0, 1)})
+
+
+@pytest.fixture
+def changer(card):
+    for tool in (0, 1):
+        (card / f"tfree{tool}.g").write_text(f"G91\nG1 X{10 + tool}\n")
+        (card / f"sys/tpre{tool}.g").write_text(f"G1 X{20 + tool}\n")
+        (card / f"tpost{tool}.g").write_text(f"G1 X{30 + tool}\nG1 R2 X1\n")
+    return card
+
+
+@pytest.mark.parametrize(
+    ("program", "ends"),
+    [
+        ("T0\nG1 X1", [20, 30, 1]),
+        ("G1 X5\nT0\nG1 X7\nT1\nG1 X1", [5, 20, 30, 6, 7, 17, 21, 31, 8, 1]),
+        ("T1\nT1\nG1 X4", [21, 31, 1, 4]),
+        ("T0 P0\nG1 X7\nT1 P2\nG1 X9\nT-1 P1\nG1 X1", [7, 21, 9, 20, 1]),
+        ("T0 P0\nT-1\nG1 X1", [10, 1]),
+        ("if true\n  T0\n  G1 X2\nG1 X1", [20, 30, 1, 2, 1]),
+    ],
+)
+def test_a_change_of_tools_calls_its_macros(changer, program, ends):
+    assert Done(program + "\n", changer).xs == ends
+
+
+def test_a_macro_for_all_tools_counts_where_there_is_none_for_one(card):
+    (card / "tpre.g").write_text("G1 X{state.nextTool + 20}\nG1 X{state.currentTool}\n")
+    (card / "tpre1.g").write_text("G1 X40\n")
+    assert Done("T0\nG1 X1\nT1\nG1 X2\n", card).xs == [20, -1, 1, 40, 2]
+
+
+def test_the_new_tool_is_in_use_between_its_macros(changer):
+    done = Done("T0\n\nT1\nG1 X1\n", changer)
+    said = [
+        (type(e).__name__, e.tool if hasattr(e, "tool") else round(1e3 * e.end[0]))
+        for e in done.events
+        if hasattr(e, "end") or type(e).__name__ == "ToolNumber"
+    ]
+    at = said.index(("ToolNumber", 1))
+    assert [value for _, value in said[at - 2 : at + 2]] == [11, 21, 1, 31]
+    (event,) = [e for e in done.events if getattr(e, "tool", None) == 1]
+    assert (event.span.file, event.span.line) == ("p.gcode", 3)
+
+
+def test_a_tool_that_is_not_there_calls_nothing(changer):
+    done = Done("G1 X1\nT5\n", changer, tool_table=TOOLS, has_cell=True)
+    assert [(f.code, f.span.line, f.span.column) for f in done.errors] == [("GS160", 2, 1)]
+    assert [e.end[0] for e in done.events if hasattr(e, "end")] == [1e-3]
+
+
+def test_codes_of_ones_own_are_files(card):
+    (card / "M1234.g").write_text("G1 X{param.X}\nif exists(param.S)\n  echo param.S\n")
+    (card / "sys/G600.1.g").write_text("G1 X3\n")
+    (card / "M104.g").write_text("G1 X66\n")
+    done = Done('M1234 X7 S"a;b" ; own\nG600.1\nm1234 X{4 + 4}\nM104 S200\nM1235\nG1 X1\n', card)
+    assert done.xs == [7, 3, 8, 1]
+    assert done.told == ["a;b"]
+    told = {f.message for f in done.run.findings}
+    assert "M1235 is read, but not simulated" in str(told)
+
+
+def test_work_systems(card):
+    done = Done("G10 L2 P2 X10 Y3\nG55\nG1 X1\nG10 L20 P0 X5\nG1 X6\nG54\nG1 X1\nG59.3\nG1 X2\nG28 X0\n", card)
+    assert done.xs == [11, 12, 1, 2, 0]
+    assert [e.index for e in done.events if type(e).__name__ == "WorkSystem"][-1] == 9
+
+
+def test_offsets_of_tools_are_still_set_by_g10(card):
+    done = Done("G10 P1 X-20 Y1\nG10 L1 P1 Z2\nG1 X1\nT1\nG1 X2\n", card)
+    assert done.xs[-1] == 2 and done.run.findings is not None
+
+
+@pytest.mark.parametrize(
+    ("program", "column"), [("G10 L2 P12 X1", 8), ("G60 S7", 5), ("G1 R9 X1", 4), ("G10 L20 P-1 X1", 9)]
+)
+def test_faults_of_systems_and_kept_places(card, program, column):
+    (fault,) = Done(program + "\n", card).errors
+    assert (fault.code, fault.span.column) == ("GS106", column)
+
+
+def test_a_move_starts_from_a_kept_place(card):
+    assert Done("G1 X10\nG60 S1\nG1 X50\nG20\nG1 R1 X1\nG21\nG1 R1 X0 Y0\nG91\nG1 R1 X2\nG1 X1\n", card).xs == [
+        10, 50, 35.4, 10, 12, 13,
+    ]  # fmt: skip

@@ -47,23 +47,37 @@ def call_of(code: str, do: Interpreter) -> MacroCall | None:
         return MacroCall(bare[1], bare.span(1), True, {})
     given: dict[str, Value] = {}
     path: Value = None
-    place, is_fixed, at, end = found.span(1), False, found.end(), len(code.rstrip())
-    while at < end:
-        letter = _LETTER.match(code, at)
-        if letter is None or letter[1].upper() in given:
-            raise Fault("GS006", f"`{code[at:].strip()[:20]}` is no letter with a value", at=(at, end))
-        at = letter.end()
-        value, behind = _value(code, at, do)
-        if letter[1] in "Pp":
-            path, place, is_fixed = value, (at, behind), code[at:behind].lstrip()[:1] == '"'
+    place, is_fixed = found.span(1), False
+    for letter, value, span in _letters(code, found.end(), do):
+        if letter == "P":
+            path, place, is_fixed = value, span, code[slice(*span)].lstrip()[:1] == '"'
         else:
-            given[letter[1].upper()] = value
-        at = behind
+            given[letter] = value
     if path is None:
         return None
     if type(path) is not str:
         raise Fault("GS106", "P of M98 is no file name", at=place, hint='the name stands in quotes: M98 P"clean.g"')
     return MacroCall(path, place, is_fixed, given)
+
+
+def given_by(code: str, at: int, do: Interpreter) -> dict[str, Value]:
+    """The letters of a call with their values, from the column `at` of a line up to its comment; raises `Fault`."""
+    return {letter: value for letter, value, _ in _letters(code, at, do)}
+
+
+def _letters(code: str, at: int, do: Interpreter) -> Iterator[tuple[str, Value, ColumnRange]]:
+    """Letters with their values, and where these stand; P may stand twice, as the last one counts."""
+    end, known = len(code.rstrip()), set[str]()
+    while at < end:
+        letter = _LETTER.match(code, at)
+        if letter is None or letter[1].upper() in known:
+            raise Fault("GS006", f"`{code[at:].strip()[:20]}` is no letter with a value", at=(at, end))
+        at = letter.end()
+        value, behind = _value(code, at, do)
+        name = letter[1].upper()
+        yield name, value, (at, behind)
+        known |= {name} - {"P"}
+        at = behind
 
 
 def _value(code: str, at: int, do: Interpreter) -> tuple[Value, int]:

@@ -36,7 +36,7 @@ class ObjectModel:
 
     def hear(self, line: MarlinLine) -> None:
         """Take in a line that was carried out."""
-        self.said.hear(line, self.printer.tool)
+        self.said.hear(line, self.tool_in_use)
 
     def value(self, path: Way) -> Value:
         """The value of a name; raises `Fault` where only the printer knows it, or an index goes too far."""
@@ -69,6 +69,16 @@ class ObjectModel:
             raise Fault("GS120", f"`{_written(path)}` is not known here: {why}", hint=_UNKNOWN) from None
 
     # -- answers
+
+    @property
+    def tool_in_use(self) -> int:
+        """The number of the tool, -1 where T-1 has put it away; before the first T that in the head."""
+        return -1 if self.printer.chosen == -1 else self.printer.tool
+
+    @property
+    def next_tool(self) -> int:
+        """The number of the tool that a T is about to take, else that in use."""
+        return self.tool_in_use if self.printer.coming is None else self.printer.coming
 
     @property
     def unit(self) -> float:
@@ -201,8 +211,8 @@ _NAMES: Final[dict[str, Callable[..., Value]]] = {
     "move.printingAcceleration": lambda do: do.printer.limits.printing / MM,
     "move.speedFactor": lambda do: do.printer.pace,
     "move.travelAcceleration": lambda do: do.printer.limits.travel / MM,
-    "state.currentTool": lambda do: do.printer.tool,
-    "state.nextTool": lambda do: do.printer.tool,
+    "state.currentTool": lambda do: do.tool_in_use,
+    "state.nextTool": lambda do: do.next_tool,
     "state.previousTool": lambda do: do.said.previous_tool,
     "state.status": lambda do: "processing",
     "tools": lambda do: do.tools(),
