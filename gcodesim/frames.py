@@ -148,8 +148,7 @@ class Pose:
     def box(self, low: Array, high: Array) -> tuple[Array, Array]:
         """The box in axes of the outer frame around one of the inner: corners (..., 3), which may be infinite."""
         with np.errstate(invalid="ignore"):
-            ends = self.R * np.asarray(low)[..., None, :], self.R * np.asarray(high)[..., None, :]
-        ends = tuple(np.where(self.R == 0.0, 0.0, end) for end in ends)
-        least, most = np.minimum(*ends), np.maximum(*ends)
+            one, other = (np.where(self.R == 0.0, 0.0, self.R * np.asarray(end)[..., None, :]) for end in (low, high))
+        least, most = np.minimum(one, other), np.maximum(one, other)
         a, b = (part[..., 0] + part[..., 1] + part[..., 2] + self.p for part in (least, most))
         return a, b

@@ -383,7 +383,7 @@ class PartsTarget:
     X_FT: Pose
 
     name = "parts"
-    holds = (("parts", np.zeros(3)),)
+    holds = (("parts", Pose.identity()),)
     frame = WORLD
     material = None
     given = None

@@ -88,6 +88,6 @@ class Weave:
                 least, most = stint.bounds_by_step
                 for name, X in stint.holds.items():
                     at = channel, names.index(name)
-                    own = X.inverse().box(least, most)
-                    low[at], high[at] = np.minimum(low[at], own[0]), np.maximum(high[at], own[1])
+                    lowest, highest = X.inverse().box(least, most)
+                    low[at], high[at] = np.minimum(low[at], lowest), np.maximum(high[at], highest)
         return low, high
