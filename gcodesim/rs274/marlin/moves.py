@@ -204,7 +204,8 @@ def _set_tool(do: PrinterExecutor, line: MarlinLine) -> None:
 def _set_system(do: PrinterExecutor, line: MarlinLine) -> None:
     """G10 L2: where the zero of work system P is, from machine zero; L20: what the place at hand is called in it."""
     words = Words(_NO_BLOCK)
-    words.values.update({"p": 0.0, **{name: line.values[name] for name in "lpxyz" if line.get(name) is not None}})
+    said = {name: number(line, name) for name in "lpxyz" if name in line.values}
+    words.values.update({"p": 0.0, **said})
     try:
         set_system(words, do.control, round(words.values["l"]))
     except Fault as fault:
