@@ -250,7 +250,14 @@ class Legs:
             self._job.findings.extend(switching_findings(whole, self.shop))
             loaded = self.shop.cell.channels[self.shop.channel].loaded_tool or 0
             self._job.findings.extend(
-                deaf_tool_findings(whole, self.shop.cell.tools, loaded, untriggered(self.shop.cell))
+                deaf_tool_findings(
+                    whole,
+                    self.shop.cell.tools,
+                    loaded,
+                    untriggered(self.shop.cell),
+                    self.shop.signal_sources,
+                    self.shop.signals,
+                )
             )
             lasting = any(self._duration_of(noted) > 0.0 for noted in path.events)
             if before is not None and not len(path) and not lasting:

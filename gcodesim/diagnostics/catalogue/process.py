@@ -59,9 +59,10 @@ CODES: tuple[Code, ...] = (
         code="GS507",
         severity=Severity.WARNING,
         title="Switched on without its tool",
-        what="A word that the cell maps to a tool or gripper (`{tool: activate}`, `{gripper: close}`) comes while the "
-        "spindle is empty, or has a tool that it does not switch. Or a word has sensors read (`{camera: shoot}`), and "
-        "none does: a camera in the magazine sees nothing.",
+        what="A word that the cell maps to a tool or gripper (`{tool: activate}`, `{gripper: close}`), or an output or "
+        "code that is the signal of one (`{beam: {word: M62 P0}}`), comes while the spindle is empty, or has a tool "
+        "that it does not switch. Or a word has sensors read (`{camera: shoot}`), and none does: a camera in the "
+        "magazine sees nothing.",
         why="Nothing is laid, sprayed, cut, gripped or seen, and a tool that is taken later begins switched on.",
         remedy="Put the tool change before the word. A gripper that holds its part through the program is named as "
         "`loaded_tool`.",

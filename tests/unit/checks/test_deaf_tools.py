@@ -50,3 +50,36 @@ def test_a_tool_that_is_loaded_at_the_start_hears() -> None:
 def test_a_grip_is_blamed_on_its_own_word() -> None:
     """M11 stands behind M62, before the move with which the gripper closes."""
     assert told("G21 G90\nT2 M6 G43\nG0 X200\nM62 P1\nM11\nG0 Z50\nM2\n") == [("GS561", 4, 1)]
+
+
+BY_OUTPUT = """gcodesim: 1
+machine: gantry_xyz
+work_offsets: {G54: {xyz: [400, 300, -300]}}
+signals: {beam: {word: M62 P0}, power: {word: M67 E0, per: 1 W}}
+stock: {box: [60, 40, 5], in: G54, material: al6082_t6, resolution: 1}
+tools:
+  1: {type: laser, power: 100 W, diameter: 2, specific_energy: 2 J/mm^3, length: 60}
+  2: {type: flat_end_mill, diameter: 8, flutes: 2, length: 60}
+"""
+
+
+@pytest.mark.parametrize(
+    ("program", "found"),
+    [
+        ("G21 G90\nM62 P0\nT1 M6 G43\nG0 X1 Y1 Z0\nM63 P0\nM2\n", [("GS507", 2, 1)]),
+        ("G21 G90\nM64 P0\nG4 P1\nM65 P0\nM64 P0\nG4 P1\nM65 P0\nM2\n", [("GS507", 2, 2)]),
+        ("G21 G90\nT2 M6 G43\nM62 P0\nG1 X1 F600\nM63 P0\nM2\n", [("GS507", 3, 1)]),
+        ("G21 G90\nM67 E0 Q50\nM62 P3\nM63 P0\nT1 M6 G43\nG0 X1 Y1 Z0\nM62 P0\nG1 X9 F600\nM63 P0\nM2\n", []),
+    ],
+)
+def test_an_output_that_switches_nothing_on_is_told(program: str, found: list[tuple[str, int, int]]) -> None:
+    """As it is on before its tool is there, it would be on as soon as that is; values may be set before."""
+    assert told(program, BY_OUTPUT) == found
+    assert told(program.replace("M62 P0", "M10").replace("M63 P0", "M11"), BY_OUTPUT.replace("M62 P0", "M10/M11")) == (
+        found if "M64" not in program else []
+    )
+
+
+def test_a_spindle_that_turns_a_mill_switches_no_laser() -> None:
+    cell = BY_OUTPUT.replace("beam: {word: M62 P0}", "beam: {word: M3}")
+    assert told("G21 G90\nT2 M6 G43\nS900 M3\nG1 X1 F600\nM5\nM2\n", cell) == []
