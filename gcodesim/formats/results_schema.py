@@ -408,6 +408,8 @@ def _printing() -> Json:
         filament_forward_mm=number("what goes forward, retraction not taken off"),
         filament_laid_mm=number("what goes forward while the head moves"),
         laid_mm3=volume,
+        slicer_time_s=optional(number("how long it takes, as the slicer says in a comment")),
+        slicer_filament_mm=optional(number("filament of all nozzles, as the slicer says in a comment")),
         nozzles=array(
             "the tools that extrude",
             record(

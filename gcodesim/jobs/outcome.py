@@ -36,6 +36,7 @@ from gcodesim.motion.tool_path import HOME, RAPID
 from gcodesim.numbers import rounded
 from gcodesim.processes.column import LINES, REMOVED, RESULTS
 from gcodesim.processes.melting import METALS, mostly
+from gcodesim.rs274.marlin.estimate import estimate_in
 from gcodesim.shop import PlacedStock, Shop
 from gcodesim.solids.mass import mass_of_skin
 from gcodesim.units import MM
@@ -165,7 +166,7 @@ def _results_of(job: Job, execution: Execution | None, *, failed: bool) -> Resul
         not_simulated=_not_simulated(job),
         probings=[probing for probing in job.probings if probing.time * 1e9 <= _end_ns(job, plan, execution)],
         lines=line_rows(path, row_time, length, totals, stands, ran, shop.sheet.own(LINES), paces),
-        printing=printing_of(plan, shop.cell.tools, row_time),
+        printing=printing_of(plan, shop.cell.tools, row_time, estimate_in(job.program)),
         path_accuracy=None if execution is None else _accuracy_of(plan, execution.accuracy),
         parts={} if execution is None else part_results(execution.parts, lambda frame: frame.rpartition("/")[2]),
         columns=own,

@@ -14,6 +14,7 @@ from gcodesim.canon import Extrude
 from gcodesim.frames import Array
 from gcodesim.motion.filament import tools_of_events, tools_of_rows
 from gcodesim.numbers import rounded
+from gcodesim.rs274.marlin.estimate import SlicerEstimate
 from gcodesim.units import MM, MM3
 
 if TYPE_CHECKING:
@@ -23,8 +24,12 @@ if TYPE_CHECKING:
 _USUAL: Final = 1.75 * MM  # diameter of filament where the cell has no extruder
 
 
-def printing_of(plan: Plan, tools: Mapping[int, Tool], row_time: Array) -> dict[str, Any] | None:
+def printing_of(
+    plan: Plan, tools: Mapping[int, Tool], row_time: Array, estimate: SlicerEstimate
+) -> dict[str, Any] | None:
     """The part `printing` of the results, None of a program without E words; `row_time` (n,) [s].
+
+    `estimate` is what the slicer says in comments that the print will take.
 
     Filament is counted by E words alone: `filament` is their sum, `forward` what goes forward, `laid` what does so
     while the head moves. Where no comment names a layer, a layer is a height at which something is laid.
@@ -72,6 +77,8 @@ def printing_of(plan: Plan, tools: Mapping[int, Tool], row_time: Array) -> dict[
         "filament_forward_mm": rounded(float(np.maximum(all_lengths, 0.0).sum()) / MM),
         "filament_laid_mm": rounded(float(laid.sum()) / MM),
         "laid_mm3": rounded(float((laid * area).sum()) / MM3),
+        **({} if estimate.time is None else {"slicer_time_s": rounded(estimate.time)}),
+        **({} if estimate.filament is None else {"slicer_filament_mm": rounded(estimate.filament / MM)}),
         "nozzles": nozzles,
         "layers": [
             {"layer": number, "z_mm": rounded(heights[number] / MM), **each}

@@ -143,6 +143,13 @@ def _times(count: int) -> str:
 def _printing_rows(printing: Mapping[str, Any]) -> list[list[str]]:
     """Filament, the layers with the longest of them, and the features that take most time."""
     rows = [["filament", f"{printing['filament_mm']:.1f} mm", f"{printing['laid_mm3']:.1f} mm³ laid"]]
+    said = [
+        f"{printing[key]:.1f} {unit}"
+        for key, unit in (("slicer_filament_mm", "mm"), ("slicer_time_s", "s"))
+        if key in printing
+    ]
+    if said:
+        rows.append(["  as the slicer says", ", ".join(said), ""])
     layers, features = printing["layers"], printing["features"]
     if layers:
         slowest = max(layers, key=lambda each: each["time_s"])
