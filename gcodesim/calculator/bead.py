@@ -73,7 +73,8 @@ class BeadSection(Model):
     also: ClassVar[tuple[str, ...]] = ("bead",)
     spellings: ClassVar[dict[str, str]] = {
         "bead_width": "width", "layer_height": "height", "bead_height": "height", "volume_flow": "flow",
-        "flow_rate": "flow", "v": "speed", "travel_speed": "speed", "length": "path_length", "path": "path_length",
+        "flow_rate": "flow", "v": "speed", "travel_speed": "speed", "nozzle_speed": "speed", "print_speed": "speed",
+        "length": "path_length", "path": "path_length",
     }  # fmt: skip
     gives: ClassVar[tuple[Result, ...]] = (
         Result("bead_area", "area", "section of the bead", ("area", "section")),

@@ -42,12 +42,12 @@ class JetCut(Model):
     }  # fmt: skip
     gives: ClassVar[tuple[Result, ...]] = (
         Result("depth", "length", "of the kerf", ("kerf_depth", "cut_depth")),
-        Result("depth_along_jet", "length", "of the kerf, measured along the jet"),
+        Result("depth_along_jet", "length", "of the kerf, measured along the jet", ("depth_along_axis", "slant_depth")),
         Result("footprint_width", "length", "of the jet on the surface, across its way", ("surface_width", "width")),
         Result("footprint_area", "area", "of the jet on the surface"),
         Result("kerf_section", "area", "across the way", ("section",)),
         Result("separation_feed", "speed", "at which it goes just through `plate_thickness`", ("max_feed",)),
-        Result("path_through_plate", "length", "of the jet in the plate", ("effective_thickness",)),
+        Result("path_through_plate", "length", "of the jet in the plate", ("effective_thickness", "path_in_material")),
         Result("separated", "", "whether `feed` is slow enough for `plate_thickness`", ("through",)),
         Result("volume", "volume", "of `path_length`", ("removed", "removed_volume")),
     )
@@ -111,7 +111,7 @@ class GaussianSpot(Model):
         Result("rayleigh_length", "length", "from the focus to twice the area", ("rayleigh",)),
         Result("peak_intensity", "power per area", "in the middle", ("intensity_peak", "I0", "max_intensity")),
         Result("intensity", "power per area", "at `offset`", ("intensity_at_offset",)),
-        Result("share_within", "", "of the power, within `offset`", ("power_fraction", "enclosed_fraction")),
+        Result("share_within", "ratio", "of the power, within `offset`", ("power_fraction", "enclosed_fraction")),
         Result("power_within", "power", "within `offset`", ("enclosed_power",)),
         Result("peak_fluence", "energy per area", "in the middle of the track, or of the spot after `dwell`",
                ("fluence_peak", "max_fluence", "line_fluence", "peak_dose")),

@@ -135,7 +135,7 @@ class FrictionGrip(Model):
         Result("friction_capacity", "force", "load that friction holds", ("capacity", "max_load")),
         Result("safety_figure", "", "force over the force needed", ("safety_factor", "actual_safety")),
         Result("holds", "", "whether that is at least `safety`"),
-        Result("max_vertical_accel", "acceleration", "greatest lift with `safety`", ("max_acceleration",)),
+        Result("max_vertical_accel", "acceleration", "greatest lift with `safety`", ("max_acceleration", "max_accel")),
         Result("max_mass", "mass", "that is held with these accelerations and `safety`"),
     )
 

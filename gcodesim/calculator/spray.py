@@ -100,8 +100,8 @@ class SprayOverlap(SprayKeys):
             "least", "length", "between two passes",
             ("min_thickness", "valley_thickness", "thickness_min", "between_passes_thickness", "mid_thickness"),
         ),
-        Result("ripple", "", "most less least, over the mean", ("ripple_fraction", "waviness", "relative_ripple")),
-        Result("evenness", "", "least over most", ("uniformity", "min_max_ratio")),
+        Result("ripple", "ratio", "most less least, over the mean", ("ripple_fraction", "waviness", "relative_ripple")),
+        Result("evenness", "ratio", "least over most", ("uniformity", "min_max_ratio")),
         Result("stripe_section", "area", "section of one stripe", ("section", "stripe_area")),
         Result("centre_thickness", "length", "of one stripe alone", ("center_thickness",)),
     )  # fmt: skip

@@ -47,6 +47,8 @@ def bead() -> list[Case]:
         given = {"height_mm": height, "speed_mm_s": speed, "path_length_mm": length}
         found.append(("additive.bead", {**given, "width_mm": width}, wanted))
         found.append(("additive.bead", {**given, "flow_mm3_s": area * speed}, {"bead_width_mm": width}))
+        said = {"bead_height_mm": height, "bead_width_mm": width, "nozzle_speed_mm_s": speed}
+        found.append(("additive.bead", said, {"area_mm2": area, "flow_rate_mm3_s": area * speed}))
         filament = 0.25 * pi * 2.85**2
         line = {"extrusion_width_mm": width, "layer_height_mm": height, "move_mm": length, "filament_diameter_mm": 2.85}
         found.append(("additive.fdm", line, {"bead_area_mm2": area, "E_mm": area * length / filament}))
@@ -166,7 +168,7 @@ def overlap() -> list[Case]:
         between = 1e3 * laid * float(np.sum(spot_density(places + 0.5 * pitch, sigma)))
         wanted = {
             "mean_thickness_um": 1e3 * laid / pitch, "max_thickness_um": on, "min_thickness_um": between,
-            "uniformity": between / on,
+            "uniformity": between / on, "ripple_percent": 100.0 * (on - between) / (1e3 * laid / pitch),
         }  # fmt: skip
         found.append(("spray.overlap", given, wanted))
     return found
@@ -205,6 +207,7 @@ def jets() -> list[Case]:
         wanted = {
             "depth_mm": rate / (wide * feed / 60.0), "footprint_width_mm": wide,
             "separation_feed_mm_min": 60.0 * rate / (wide * plate), "volume_mm3": rate * 50.0 / (feed / 60.0),
+            "depth_along_axis_mm": rate / (width * feed / 60.0), "path_in_material_mm": plate / cos(radians(lean)),
         }  # fmt: skip
         given = {"removal_rate_mm3_s": rate, "kerf_width_mm": width, "feed_mm_min": feed, "path_length_mm": 50.0}
         name = "remove.oblique_jet" if lean else "remove.jet"
