@@ -238,3 +238,33 @@ def test_a_pin_that_leans_through_a_plate_is_milled_away_to_a_depth():
     whole = run_texts(SLOT, CELL + PLATE + "}\n")
     (one,) = removed(whole).values()
     assert sum(removed(ran).values()) == pytest.approx(one, rel=2e-3)
+
+
+TRUNNION = """
+gcodesim: 1
+machine:
+  axes:
+    X: {travel: [-400, 400 mm], speed: 30 m/min, acceleration: 4 m/s^2}
+    Y: {travel: [-400, 400 mm], speed: 30 m/min, acceleration: 4 m/s^2}
+    Z: {travel: [-400, 400 mm], speed: 30 m/min, acceleration: 4 m/s^2, home: 250 mm}
+    A: {travel: [-100, 100 deg], speed: 180 deg/s, acceleration: 900 deg/s^2, at: [0, 0, -100 mm]}
+work_offsets: {G54: {xyz: [0, 0, -100 mm]}}
+tools:
+  1: {type: flat_end_mill, diameter: 8, flutes: 3, length: 60}
+stock:
+"""
+
+
+def test_a_screw_that_leans_is_milled_out_along_its_axis():
+    """The table turns until the screw stands upright; 15 of its 16 mm go, and a ring of the plate around it."""
+    screw = (
+        "  screw: {cylinder: [6, 16], zero: center, xyz: [0, 0, 0], rpy: [25, 0, 0], inside: plate, resolution: 0.1, "
+    )
+    program = (
+        "G21 G90 G17 G94 G61\nT1 M6\nG43 H1\nS6000 M3\nG0 X0 Y0\nG0 A-25\nG0 Z12\nG1 Z-7 F60\nG1 Z12 F600\nM5\nM2\n"
+    )
+    ran = run_texts(program, TRUNNION + PLATE + "}\n" + screw + "material: c45}\n")
+
+    assert ran.misuse == []
+    assert removed(ran)["screw"] == pytest.approx(math.pi * 9.0 * 15.0, rel=2e-3)
+    assert removed(ran)["plate"] == pytest.approx(math.pi * (16.0 - 9.0) * 7.0, rel=0.05)  # its top leans
