@@ -83,6 +83,14 @@ def norm(v: Array) -> float:
     return math.sqrt(dots(v, v))
 
 
+def greatest(rows: Array) -> Array:
+    """The greatest (n,) of each of `rows` (n, k), k at least 1: by columns, which is much quicker for a small k."""
+    found: Array = rows[:, 0].copy()
+    for k in range(1, rows.shape[1]):
+        np.maximum(found, rows[:, k], out=found)
+    return found
+
+
 def inverse_pose(X: Array) -> Array:
     """Inverses (..., 4, 4) of poses: of a rotation and a shift."""
     inverse = np.zeros(X.shape)

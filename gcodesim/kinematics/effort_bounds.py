@@ -13,7 +13,8 @@ from gcodesim.frozen import frozen
 from gcodesim.kinematics.chain import Chain, Inertial
 from gcodesim.kinematics.dynamics import bodies
 
-_ROUNDING: Final = 1.0 + 1e-9
+ROUNDING: Final = 1.0 + 1e-9
+"""By which bounds are widened for sums in another order."""
 
 
 @frozen(eq=False)
@@ -35,7 +36,7 @@ class EffortBounds:
         """The greatest efforts (n, j) [N·m] of motions with the sizes of `qd` and `qdd` (n, j), in both directions."""
         speed = np.square(np.abs(qd).sum(axis=1))
         turning = applied(self.inertia, np.abs(qdd))
-        bound: Array = _ROUNDING * (gravity * self.weight + turning + speed[:, None] * self.swing)
+        bound: Array = ROUNDING * (gravity * self.weight + turning + speed[:, None] * self.swing)
         return bound
 
 

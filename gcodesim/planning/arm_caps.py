@@ -15,7 +15,7 @@ from gcodesim.frozen import frozen
 from gcodesim.motion.blend_kernels import NORMAL_SHARE
 from gcodesim.motion.pieces import OVERLAP, Pieces
 from gcodesim.motion.timing import Caps, Softness
-from gcodesim.planning.arm_kernels import JointCaps, SegmentRates, joint_caps, joint_rates
+from gcodesim.planning.arm_kernels import JointCaps, SegmentRates, hold_rates, joint_caps, joint_rates
 from gcodesim.planning.flange import Flange
 from gcodesim.planning.jerk import softer
 from gcodesim.planning.kinks import Kinks
@@ -149,12 +149,13 @@ class ArmCaps:
 
         Where they begin, or end.
         """
-        r0, r1, mean = (rates[part] for rates in self.rates)
-        v = self.found.speed[part, None]
-        a = np.minimum(self.found.acceleration[part], 1e6)[:, None]
-        step, twice, h = r1 - r0, 6.0 * mean - 3.0 * (r0 + r1), self.length[part, None]
-        rate, bend = (r1, (step - twice) / h) if at_end else (r0, (step + twice) / h)
-        return rate * v, rate * a, bend * v * v
+        from gcodesim.planning.load_kernels import motions_at
+
+        rates = SegmentRates(*(column[part] for column in self.rates))
+        qd, along, across = (np.empty(rates.start.shape) for _ in range(3))
+        most = np.minimum(self.found.acceleration[part], 1e6)
+        motions_at(rates, self.length[part], self.found.speed[part], most, at_end, qd, along, across)
+        return qd, along, across
 
     def with_moves(self) -> Caps:
         """The caps of everything: a joint move is one segment that takes its own time."""
@@ -185,11 +186,7 @@ def _rates(kinematics: Kinematics, flange: Flange, nodes: Nodes, q: Array, bridg
         ends, way = i[some], length[some, None]
         rates.start[some], rates.end[some] = first, last
         rates.mean[some] = np.where(way > _CLOSE, (q[ends] - q[ends - 1]) / way, 0.5 * (first + last))
-    for some in batches(len(i)):
-        mean, bridge, far = rates.mean[some], bridged[i[some], None], length[some, None] > _CLOSE
-        most = np.where(far, _STEEPEST * _neighbourhood(rates.mean, some), np.inf)
-        for rate in (rates.start, rates.end):
-            rate[some] = np.where(bridge, mean, np.clip(rate[some], -most, most))
+    hold_rates(rates, length, bridged[i], _CLOSE, _STEEPEST)
     return rates
 
 
@@ -210,16 +207,6 @@ def _exact_rates(kinematics: Kinematics, flange: Flange, nodes: Nodes, q: Array,
         return first, last
     slopes = (outside.slopes(piece, s, flange.pieces.points(piece, s)[1]) for s in (begin, end))
     return outside.assembly.together(first, next(slopes)), outside.assembly.together(last, next(slopes))
-
-
-def _neighbourhood(values: Array, some: slice) -> Array:
-    """The greatest sizes (k, j) of some of the values (n, j) and of their neighbours."""
-    before = int(some.start > 0)
-    sizes = np.abs(values[some.start - before : some.stop + 1])
-    most = sizes.copy()
-    most[1:] = np.maximum(most[1:], sizes[:-1])
-    most[:-1] = np.maximum(most[:-1], sizes[1:])
-    return most[before : before + some.stop - some.start]
 
 
 def _wanted_speed(pieces: Pieces) -> Array:

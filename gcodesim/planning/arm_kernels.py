@@ -111,6 +111,27 @@ def joint_rates(jacobian: Column, first: Column, last: Column) -> tuple[Column, 
     return out0, out1
 
 
+@kernel(lean=True)
+def hold_rates(rates: SegmentRates, length: Column, straight: Column, close: float, steepest: float) -> None:
+    """Keep the rates at the ends of segments of `length` (k,) near to those on average, in place.
+
+    They are no more than `steepest` times the greatest mean of a segment and its two neighbours, unless it is shorter
+    than `close` [m]; where a segment is run `straight` (k,), they are its mean.
+    """
+    start, end, mean = rates
+    count = len(length)
+    for k in range(count):
+        before, after = max(k - 1, 0), min(k + 1, count - 1)
+        for j in range(start.shape[1]):
+            middle = mean[k, j]
+            if straight[k]:
+                start[k, j], end[k, j] = middle, middle
+            elif length[k] > close:
+                most = steepest * max(abs(middle), max(abs(mean[before, j]), abs(mean[after, j])))
+                start[k, j] = min(max(start[k, j], -most), most)
+                end[k, j] = min(max(end[k, j], -most), most)
+
+
 @kernel
 def greatest_rate(r0: float, r1: float, mean: float) -> float:
     """The greatest |q'| along a cubic that has rates `r0` and `r1` at its ends and `mean` on average."""

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.arithmetic.matrices import greatest
 from gcodesim.canon import Axes
 from gcodesim.diagnostics import Findings
 from gcodesim.frames import Array, Pose
@@ -254,7 +255,7 @@ def _caps(kinematics: Kinematics, tips: TipWay, segments: Segments, q: tuple[Arr
     allowed = found.acceleration.copy()
     joint_caps(rates, length, NORMAL_SHARE, _SHARE * np.minimum(joints.speed, 1e6), acceleration, found)
     if soft:  # S-curves of straight moves are known in closed form
-        even = np.maximum(np.abs(start - mean), np.abs(end - mean)).max(axis=1) <= _EVEN * np.abs(mean).max(axis=1)
+        even = greatest(np.maximum(np.abs(start - mean), np.abs(end - mean))) <= _EVEN * greatest(np.abs(mean))
         found.wanted[even] /= _SHARE
         found.speed[even] = np.minimum(wanted, found.wanted)[even]
         found.acceleration[even] = np.minimum(allowed, found.acceleration / _SHARE)[even]
@@ -287,7 +288,7 @@ def _caps(kinematics: Kinematics, tips: TipWay, segments: Segments, q: tuple[Arr
 def _slopes(way: TipWay, segments: Segments, s: Array) -> Array:
     """dq/ds (k, j) at `s` (k,), by the difference of two neighbours on the tangent."""
     points, slope = segments.at(way.pieces, s)
-    step = _PROBE / np.maximum(np.abs(slope).max(axis=1, initial=0.0), 1e-12)
+    step = _PROBE / np.maximum(greatest(np.abs(slope)), 1e-12)
     ahead, behind = (way.joints(segments.piece, s + d, points + d[:, None] * slope) for d in (step, -step))
     slopes: Array = (ahead - behind) / (2.0 * step)[:, None]
     return slopes

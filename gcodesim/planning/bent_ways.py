@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.arithmetic.elementary import acos
-from gcodesim.arithmetic.matrices import dots, norms
+from gcodesim.arithmetic.matrices import dots, greatest, norms
 from gcodesim.diagnostics import Diagnostic, Findings
 from gcodesim.motion.curve_kernels import TIMED
 from gcodesim.motion.pieces import Pieces
@@ -110,7 +110,7 @@ def report_turning_joints(
     good = exact & np.isfinite(pieces.path.feed[pieces.row_first[nodes.piece]])
     begin, end = _on_the_spot(nodes, good)
     turned = np.abs(q[end] - q[begin]) * turning
-    far = np.flatnonzero(turned.max(axis=1, initial=0.0) > _JUMP)
+    far = np.flatnonzero(greatest(turned) > _JUMP)
     if not len(far):
         return
     begin, end, turned = begin[far], end[far], turned[far]

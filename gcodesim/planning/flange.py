@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from gcodesim.arithmetic.batches import batches
 from gcodesim.arithmetic.elementary import cos_sin
-from gcodesim.arithmetic.matrices import applied
+from gcodesim.arithmetic.matrices import applied, greatest
 from gcodesim.frames import Array
 from gcodesim.frozen import frozen
 from gcodesim.motion.pieces import Pieces
@@ -106,7 +106,7 @@ class Flange:
     def _twists(self, piece: NDArray[np.int64], s: Array) -> Array:
         """The same (k, 6) by the difference of two neighbours on the tangent."""
         points, slope = self.pieces.points(piece, s)
-        step = _PROBE / np.maximum(np.abs(slope).max(axis=1, initial=0.0), 1e-12)
+        step = _PROBE / np.maximum(greatest(np.abs(slope)), 1e-12)
         ahead, behind = (self._unturned_noses(piece, s + d, points + d[:, None] * slope) for d in (step, -step))
         if self.turning is not None:
             middle, rate = self.turning.at(piece, s)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.arithmetic.matrices import greatest
 from gcodesim.frames import Array
 from gcodesim.frozen import frozen
 from gcodesim.motion.blend_kernels import CYCLE, KINK_SHARE
@@ -37,7 +38,7 @@ class Kinks:
             return Kinks(cap, left)
         at = np.flatnonzero(here)
         step = np.abs(rates.start[at + 1] * ratio[at, None] - rates.end[at])
-        share = (step / acceleration).max(axis=1) / CYCLE  # of the acceleration, for each m/s
+        share = greatest(step / acceleration) / CYCLE  # of the acceleration, for each m/s
         sharp = share * end[at] > KINK_SHARE
         cap[at[sharp]] = KINK_SHARE / share[sharp]
         taken = 1.0 - np.minimum(share * end[at], KINK_SHARE)

@@ -15,11 +15,12 @@ from gcodesim.frames import Array, Pose
 from gcodesim.frozen import frozen
 from gcodesim.kinematics.chain import Chain, Inertial
 from gcodesim.kinematics.dynamics import GRAVITY, efforts_of, inverse_dynamics, merge
-from gcodesim.kinematics.effort_bounds import effort_bounds
+from gcodesim.kinematics.effort_bounds import ROUNDING, EffortBounds, effort_bounds
 
 if TYPE_CHECKING:
     from gcodesim.motion.tool_path import ToolPath
     from gcodesim.planning.grips import Grip
+    from gcodesim.planning.load_kernels import Needs
 
 _SHARE: Final = 0.98  # of an effort limit; the rest is for what changes between the places that are looked at
 _FOR_WORK: Final = 0.99  # of what a joint at rest leaves its motor; the rest is for motion, however much the work asks
@@ -114,15 +115,30 @@ class Loads:
 
         There `slowing` would say 1 for each of these motions and for what is between them and rest.
         """
-        own = self.motors
-        friction = 0.0 if own is None else own.coulomb + own.viscous * np.abs(qd) + own.rotor * np.abs(qdd)
-        ample = np.zeros(len(tool), dtype=bool)
+        from gcodesim.planning.load_kernels import ample_motions
+
+        ample, found = np.zeros(len(tool), dtype=bool), np.empty(len(tool), dtype=np.uint8)
         for number in distinct(tool).tolist():
             bounds = None if number in self.pushes else effort_bounds(self.chain, self.tools.get(number))
             if bounds is not None:
-                needed = bounds.at(qd, qdd, norm(self.gravity)) + friction
-                ample |= (tool == number) & (needed <= _SHARE * self.limit).all(axis=1)
+                ample_motions(np.ascontiguousarray(qd), np.ascontiguousarray(qdd), self._needs(bounds), found)
+                ample |= (tool == number) & (found == 1)
         return ample
+
+    def _needs(self, bounds: EffortBounds) -> Needs:
+        """What motions need at most within `bounds`, friction and rotors too."""
+        from gcodesim.planning.load_kernels import Needs
+
+        own, none = self.motors, np.zeros(len(self.limit))
+        return Needs(
+            weight=ROUNDING * norm(self.gravity) * bounds.weight,
+            inertia=ROUNDING * bounds.inertia,
+            swing=ROUNDING * bounds.swing,
+            coulomb=none if own is None else own.coulomb,
+            viscous=none if own is None else own.viscous,
+            rotor=none if own is None else own.rotor,
+            limit=_SHARE * self.limit,
+        )
 
     def efforts(
         self, tool: NDArray[np.int64], q: Array, *motions: tuple[Array | float, Array | float]

@@ -9,6 +9,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.arithmetic.matrices import greatest
 from gcodesim.frames import Array
 from gcodesim.frozen import frozen
 from gcodesim.motion.curve_kernels import ROUND
@@ -91,7 +92,7 @@ class Nodes:
     def refined(self, q: Array) -> Nodes | None:
         """More nodes where joints `q` (k, j) move far between two of them; None if they do nowhere."""
         i = self.segments
-        step = np.max(np.abs(q[i] - q[i - 1]), axis=1, initial=0.0) if len(i) else np.zeros(0)
+        step = greatest(np.abs(q[i] - q[i - 1])) if len(i) else np.zeros(0)
         return self.split(np.ceil(step / STEP))
 
     def split(self, parts: Array) -> Nodes | None:
