@@ -27,7 +27,7 @@ EXACT: Final = 1e-6
 SHARE: Final = 2e-4
 """The same for the least gap of all pairs, as a share of itself."""
 
-HELD: Final = 256
+HELD: Final = 4096
 """Nodes of a way at which the frames of joints are kept."""
 
 MOST: Final = 4096

@@ -24,6 +24,7 @@ from gcodesim.kinematics.tree_kernels import joint_frames
 
 PARTED = 4  # couples of convex bodies that are parted by a direction each before a pair is looked at more closely
 MOST_PIECES = 8  # of a stretch at whose ends two bodies are looked at along one direction
+AHEAD = 8  # places of many stretches that are looked at before all of them are
 
 
 class PairSearch(NamedTuple):
@@ -177,6 +178,11 @@ def is_above(p: int, leaf: tuple[int, int], stretches: tuple[int, int], level: f
     a, b = leaf
     lo, hi = stretches
     before = math.inf
+    if hi - lo > 2 * AHEAD:  # along a long way it mostly is not, which few places show
+        for i in range(AHEAD + 1):
+            place_at_node(p, lo + (hi - lo) * i // AHEAD, search)
+            if gap_along(a, b, bodies, room.Xa, room.Xb, room.n, gaps) < level:
+                return False
     for k in range(lo, hi + 1):
         place_at_node(p, k, search)
         gap = gap_along(a, b, bodies, room.Xa, room.Xb, room.n, gaps)
