@@ -15,6 +15,7 @@ from gcodesim.arithmetic.matrices import applied, dot, norm
 from gcodesim.frames import Array, rotation_about
 
 _FLAT: Final = 1e-9  # of unit vectors: smaller parts have no direction
+_POLE: Final = 7e-7  # of unit vectors, whose words have six decimals: how far from an axis they are rounded onto it
 _MISSED: Final = 1e-7  # of unit vectors: how far apart two heights along an axis may be
 
 
@@ -38,7 +39,7 @@ def angle_about(axis: Array, start: Array, end: Array, free: float) -> float | N
     if abs(dot(axis, start) - dot(axis, end)) > _MISSED:
         return None
     a, b = start - dot(axis, start) * axis, end - dot(axis, end) * axis
-    if min(norm(a), norm(b)) < math.sqrt(_FLAT):
+    if min(norm(a), norm(b)) < _POLE:
         return free
     return atan2(dot(axis, np.cross(a, b)), dot(a, b))
 
