@@ -10,6 +10,7 @@ EXTRAS: Final = {
     "live": ("foxglove-sdk",),
     "lsp": ("pygls",),
     "mcp": ("mcp",),
+    "mjcf": ("mujoco",),
     "plot": ("matplotlib",),
     "report": ("metaflow-card-uplot",),
     "ros": ("rosbags",),

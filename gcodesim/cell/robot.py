@@ -37,7 +37,7 @@ from gcodesim.declarations.variant import Variant
 from gcodesim.frames import Pose
 from gcodesim.frozen import frozen
 from gcodesim.kinematics.branch_names import PAIRS, WORDS
-from gcodesim.kinematics.user_urdf import user_chain
+from gcodesim.kinematics.user_urdf import mjcf_chain, user_chain
 
 if TYPE_CHECKING:
     from gcodesim.cell.externals import External
@@ -90,8 +90,17 @@ class RobotForm:
 
     model: str | None = key(Text(form="the name of a shipped model"), "a model that ships with gcodesim", default=None)
     urdf: FileValue | None = key(File("a URDF file"), "your own robot description", default=None)
+    mjcf: FileValue | None = key(
+        File("an MJCF file"),
+        "your own robot description for MuJoCo (extra `mjcf`); write its `speed` beside it",
+        default=None,
+        quiet=True,
+    )
     flange: str | None = key(
-        Text(form="the name of a link"), "the link of the URDF that carries the tool", default=None, quiet=True
+        Text(form="the name of a link"),
+        "the link of the URDF that carries the tool, or the body or site of the MJCF",
+        default=None,
+        quiet=True,
     )
     base: Place = key(Record(Place, "a place"), "where the base stands", default=Place(), quiet=True)
     home: Any = key(JointList(names=True), "joints at the start, or one of the `poses`", default=None)
@@ -149,31 +158,36 @@ class RobotForm:
     )
 
     def checked(self, to: Reading, path: Path) -> Robot | Unread:
-        if (self.model is None) == (self.urdf is None):
-            if self.model is None:
-                return to.fault("GS705", to.span(path), "the robot has neither `model` nor `urdf`", "give one of them")
-            return to.fault(
-                "GS719", to.key((*path, "urdf")), "the robot has a `model` and a `urdf`", "give one of them"
-            )
+        given = [name for name in ("model", "urdf", "mjcf") if getattr(self, name) is not None]
+        if not given:
+            message = "the robot has neither `model` nor `urdf` nor `mjcf`"
+            return to.fault("GS705", to.span(path), message, "give one of them")
+        if len(given) > 1:
+            message = f"the robot has a `{given[0]}` and a `{given[1]}`"
+            return to.fault("GS719", to.key((*path, given[1])), message, "give one of them")
         if self.model is not None:
             model = shipped(self.model, "arm", to, (*path, "model"))
             if isinstance(model, Unread):
                 return UNREAD
             if self.flange is not None:
-                return to.fault("GS719", to.key((*path, "flange")), "`flange` is for a `urdf`; a model has its own")
+                message = "`flange` is for a `urdf` or an `mjcf`; a model has its own"
+                return to.fault("GS719", to.key((*path, "flange")), message)
             return self._robot(shipped_chain(model.name), model.path, model.home, model.stiffness, to, path)
-        assert self.urdf is not None
-        chain = user_chain(self.urdf, to, (*path, "urdf"), self.flange)
+        if self.mjcf is not None:
+            chain = mjcf_chain(self.mjcf, to, (*path, "mjcf"), self.flange, has_speeds=self.speed is not None)
+        else:
+            assert self.urdf is not None
+            chain = user_chain(self.urdf, to, (*path, "urdf"), self.flange)
         if isinstance(chain, Unread):
             return UNREAD
         joints = chain.driven_joints
         resting = tuple(float(v) for v in np.clip(np.zeros(len(joints)), joints.lower, joints.upper))
-        return self._robot(chain, self.urdf.path, resting, None, to, path)
+        return self._robot(chain, None if self.urdf is None else self.urdf.path, resting, None, to, path)
 
     def _robot(
         self,
         chain: Chain,
-        description: FilePath,
+        description: FilePath | None,
         home: tuple[float, ...],
         stiffness: tuple[float, ...] | None,
         to: Reading,
@@ -224,6 +238,7 @@ class RobotForm:
             name=str(path[-1]),
             model=self.model,
             urdf=None if self.urdf is None else self.urdf.name,
+            mjcf=None if self.mjcf is None else self.mjcf.name,
             flange=self.flange,
             description=description,
             chain=with_limits(chain, limits),
@@ -354,8 +369,8 @@ def with_limits(chain: Chain, limits: Mapping[str, tuple[float, ...]]) -> Chain:
 class Robot:
     """A robot in the cell.
 
-    `model` names a shipped one, else `urdf` is the file's name as written in the cell, and `flange` the link written
-    there; `description` is where that file is, and `chain` its content. `home` [rad] or [m], `poses` likewise by name,
+    `model` names a shipped one, else `urdf` or `mjcf` is the file's name as written in the cell, and `flange` the link
+    written there; `description` is where a URDF is, and `chain` what it says. `home` [rad] or [m], `poses` likewise,
     `stiffness` of the gears [N·m/rad] or [N/m], or None for rigid ones; `limits` of its joints, speed, acceleration and
     jerk [rad, m, s], where the cell says them; `allow_collisions` are links that may meet; `configuration` names the
     branches on which it has to be (None: all); `controller` is how its motors follow the command; `X_WB` is its base
@@ -371,8 +386,9 @@ class Robot:
     name: str
     model: str | None
     urdf: str | None
+    mjcf: str | None
     flange: str | None
-    description: FilePath
+    description: FilePath | None
     chain: Chain = field(compare=False, repr=False)
     base: Place
     home: tuple[float, ...]
@@ -434,7 +450,8 @@ def _show_stiffness(robot: Robot) -> list[str]:
 def _description(robot: Robot) -> Json:
     if robot.model:
         return {"model": robot.model}
-    return {"urdf": robot.urdf} | ({} if robot.flange is None else {"flange": robot.flange})
+    named = {"urdf": robot.urdf} if robot.mjcf is None else {"mjcf": robot.mjcf}
+    return named | ({} if robot.flange is None else {"flange": robot.flange})
 
 
 _FORM: Final = Record(RobotForm, "the robot", "model")

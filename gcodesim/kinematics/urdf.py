@@ -30,7 +30,11 @@ from gcodesim.solids import Box, Cylinder, Mesh, MeshFile, Sphere
 
 LARGEST_XML: Final = 20_000_000
 _BODIES: Final = "box, cylinder, capsule, sphere or mesh"
-_OTHERS: Final = ("sdf", "mujoco", "mujocoinclude")
+_OTHERS: Final = {
+    "sdf": "Gazebo's SDF is another format: export a URDF",
+    "mujoco": "MuJoCo's MJCF goes beside `mjcf:`",
+    "mujocoinclude": "this is a part of an MJCF: name the file that includes it, by `mjcf:`",
+}
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
 _KINDS: Final[dict[str, JointKind]] = {
     "revolute": "revolute",
@@ -74,9 +78,7 @@ def load_urdf(
         faults.find("GS760", f"`{faults.file}` cannot be read: {error.strerror}", None)
         return None, faults.findings
     except XmlError as error:
-        span = Span(faults.file, error.line, error.column, error.line, error.column + 1)
-        message = f"the URDF is not well-formed XML: {error}"
-        faults.findings.append(Diagnostic(code="GS760", message=message, span=span, hint=error.hint))
+        faults.find_at(error.line, error.column, "GS760", f"the URDF is not well-formed XML: {error}", error.hint)
         return None, faults.findings
     chain = _Reader(path, faults, MeshFiles(path, packages or {}, may_read, faults), flange, robot).chain(root)
     return (None if faults.failed else chain), faults.findings
@@ -271,7 +273,7 @@ class _Reader:
     def chain(self, root: LinedElement) -> Chain | None:
         """The whole robot; None when links and joints make no tree."""
         if root.tag != "robot":
-            hint = "Gazebo's SDF and MuJoCo's MJCF are other formats: export a URDF" if root.tag in _OTHERS else ""
+            hint = _OTHERS.get(root.tag, "")
             self.find("GS760", f"a URDF begins with <robot>, this file with <{root.tag}>", root, hint)
             return None
         if any(e.tag.startswith("xacro:") or "ros.org/wiki/xacro" in e.tag for e in root.iter()):

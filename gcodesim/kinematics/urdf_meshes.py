@@ -52,7 +52,7 @@ class MeshFiles:
             return None
         if not text or not file.is_file():
             message = f"mesh `{text}` not found; tried `{tried}` from the folder of the URDF"
-            self.faults.find("GS761", message, e, _near(file, text))
+            self.faults.find("GS761", message, e, near_file(file, text))
             return None
         if file not in self.found:
             self.found.append(file)
@@ -90,7 +90,7 @@ class MeshFiles:
                     yield folder
 
 
-def _near(file: Path, text: str) -> str:
+def near_file(file: Path, text: str) -> str:
     """A file that may be meant; case counts, also where the URDF comes from a system where it does not."""
     if "\\" in text:
         return "folders are separated by `/`"

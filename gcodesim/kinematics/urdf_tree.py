@@ -1,4 +1,4 @@
-"""The tree that the links and joints of a URDF make: order, flange, the joints that a program drives."""
+"""The tree that the links and joints of a description make: order, flange, the joints that a program drives."""
 
 from __future__ import annotations
 
@@ -25,13 +25,18 @@ class LinkTree:
 
 @frozen(kw_only=False)
 class TreeReader:
-    """Joins `links` and `joints`; findings stand at `places`, the elements by the name of a link or `joint NAME`."""
+    """Joins `links` and `joints`; findings stand at `places`, the elements by the name of a link or `joint NAME`.
+
+    `key` is that of the cell which names the description. Links `between` joints of one body have no mass of their own.
+    """
 
     root: LinedElement
     links: Mapping[str, Link]
     joints: list[Joint]
-    places: Mapping[str, LinedElement]
+    places: Mapping[str, LinedElement | None]
     faults: Faults
+    key: str = "urdf"
+    between: frozenset[str] = frozenset()
 
     def tree(self, flange: str | None) -> LinkTree | None:
         """The tree with the link `flange` (default: by name, else the end of the longest chain); None if there is
@@ -55,7 +60,8 @@ class TreeReader:
                 "GS771",
                 f"the tool hangs on link `{end}`, the end of the longest chain",
                 self.places[end],
-                f"if it belongs on another one, name that beside `urdf:`, as in `flange: {ordered[above[end]].parent}`",
+                f"if it belongs on another one, name that beside `{self.key}:`, as in"
+                f" `flange: {ordered[above[end]].parent}`",
             )
         self._remark(ordered, driven)
         return LinkTree(links=names, joints=tuple(ordered), driven=tuple(driven), flange=end, table=table)
@@ -103,7 +109,7 @@ class TreeReader:
 
     def _nothing_moves(self, root: str, flange: str, ordered: list[Joint]) -> None:
         if any(joint.kind != "fixed" for joint in ordered):
-            hint = "write `flange:` with the name of the link that carries the tool beside `urdf:`"
+            hint = f"write `flange:` with the name of the link that carries the tool beside `{self.key}:`"
         else:
             hint = "a body that nothing moves is a fixture: `fixtures: {NAME: {mesh: FILE}}`"
         self.faults.find(
@@ -119,9 +125,9 @@ class TreeReader:
             if index in chain:
                 if joint.mimic is not None:
                     message = f"joint `{joint.name}` follows `{joint.mimic[0]}`"
-                    hint = f"the tool may hang on a link before it: `flange: {joint.parent}` beside `urdf:`"
+                    hint = f"the tool may hang on a link before it: `flange: {joint.parent}` beside `{self.key}:`"
                     self.faults.find("GS766", f"{message}; followers inside the chain are not simulated", at, hint)
-                elif joint.child not in heavy:
+                elif joint.child not in heavy and joint.child not in self.between:
                     self.faults.find("GS769", f"link `{joint.child}` has no mass: joint efforts leave it out", at)
             elif joint.kind != "fixed":
                 follows = f", follows `{joint.mimic[0]}`" if joint.mimic is not None else ""

@@ -1,4 +1,4 @@
-"""URDF files that a cell names, as chains."""
+"""Descriptions of robots that a cell names, URDF or MJCF, as chains."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from gcodesim.declarations.reading import Path as KeyPath
 
 if TYPE_CHECKING:
     from gcodesim.kinematics.chain import Chain
+    from gcodesim.kinematics.urdf import NamedFlange
 
 
 def user_chain(
@@ -21,19 +22,44 @@ def user_chain(
 
     `flange` is the link that the cell names as such, beside the key at `path`. One that is no `robot` need not move.
     """
-    from gcodesim.kinematics.urdf import NamedFlange, load_urdf
+    from gcodesim.kinematics.urdf import load_urdf
 
     chain, findings = load_urdf(
         file.path,
         name=file.name,
         packages=to.shelf.packages,
         may_read=to.shelf.may_read,
-        flange=None if flange is None else NamedFlange(link=flange, span=to.span((*path[:-1], "flange"))),
+        flange=_flange(flange, to, path),
         robot=robot,
     )
     to.findings.extend(findings)
-    if chain is None:
-        return UNREAD
+    return UNREAD if chain is None else _hashed(chain, file, to, path)
+
+
+def mjcf_chain(file: FileValue, to: Reading, path: KeyPath, flange: str | None, *, has_speeds: bool) -> Chain | Unread:
+    """The chain of a user's MJCF, likewise; `has_speeds`: the cell says how fast its joints are."""
+    from gcodesim.kinematics.mjcf import load_mjcf
+
+    chain, findings = load_mjcf(
+        file.path,
+        name=file.name,
+        may_read=to.shelf.may_read,
+        flange=_flange(flange, to, path),
+        has_speeds=has_speeds,
+    )
+    to.findings.extend(findings)
+    return UNREAD if chain is None else _hashed(chain, file, to, path)
+
+
+def _flange(link: str | None, to: Reading, path: KeyPath) -> NamedFlange | None:
+    """The link that the cell names as the flange, beside the key at `path`."""
+    from gcodesim.kinematics.urdf import NamedFlange
+
+    return None if link is None else NamedFlange(link=link, span=to.span((*path[:-1], "flange")))
+
+
+def _hashed(chain: Chain, file: FileValue, to: Reading, path: KeyPath) -> Chain | Unread:
+    """The chain, with the files that it names in the list of those that decide the result."""
     for mesh in chain.files:
         name = Path(os.path.relpath(mesh, to.shelf.folder)).as_posix()
         try:

@@ -60,6 +60,11 @@ class Faults:
             span = Span(self.file, at.line, at.column, at.line, at.column + len(at.tag) + 1)
         self.findings.append(Diagnostic(code=code, message=message, span=span, hint=hint, count=count))
 
+    def find_at(self, line: int | None, column: int, code: str, message: str, hint: str = "") -> None:
+        """A finding at a place in the file; None: at the file."""
+        span = Span(self.file) if line is None else Span(self.file, line, column, line, column + 1)
+        self.findings.append(Diagnostic(code=code, message=message, span=span, hint=hint))
+
 
 def parse_xml(raw: bytes) -> LinedElement:
     """The root element; XmlError on anything that is not well-formed, and on a document type (it can hide bombs).

@@ -375,24 +375,26 @@ CODES += (
     ),
 )
 
-# robot descriptions (URDF)
+# robot descriptions (URDF, MJCF)
 CODES += (
     Code(
         code="GS760",
         severity=Severity.ERROR,
         title="The robot description cannot be read",
-        what="The file that `urdf:` names is missing, is not well-formed XML, or is not a URDF.",
+        what="The file that `urdf:` or `mjcf:` names is missing, is not well-formed XML, is of another kind, or MuJoCo "
+        "refuses it.",
         why="Without a description there is no robot that could move.",
         remedy=(
             "Check the path and the line named here. A xacro template has to be expanded first: `xacro FILE > "
-            "robot.urdf`. The command comes with `pip install 'gcodesim[xacro]'`."
+            "robot.urdf`. The command comes with `pip install 'gcodesim[xacro]'`. An MJCF is read by MuJoCo's own "
+            "loader: `pip install 'gcodesim[mjcf]'`."
         ),
     ),
     Code(
         code="GS761",
         severity=Severity.ERROR,
         title="A mesh of the robot is missing",
-        what="A <mesh> names a file that is not there, or a package whose folder is not known.",
+        what="A <mesh>, or an MJCF, names a file that is not there, or a package whose folder is not known.",
         why="The link would be invisible and would collide with nothing.",
         remedy="Correct the file name, or name the folder of a package:// address under `packages:` in the cell. "
         "A package is also found if its folder is above the URDF, or beside a folder above it.",
@@ -401,7 +403,7 @@ CODES += (
         code="GS762",
         severity=Severity.ERROR,
         title="A mesh lies outside the folders that may be read",
-        what="A <mesh> names a file outside the cell's folder and the folders of --allow-path.",
+        what="A <mesh>, or an MJCF, names a file outside the cell's folder and the folders of --allow-path.",
         why="A description from elsewhere must not make gcodesim read any file of this machine.",
         remedy="Move the mesh beside the cell, or allow its folder with --allow-path.",
     ),
@@ -409,9 +411,10 @@ CODES += (
         code="GS763",
         severity=Severity.WARNING,
         title="A joint has no limits",
-        what="A joint has no <limit>, an empty travel, or no speed; what is missing counts as unlimited.",
+        what="A joint has no <limit>, an empty travel, or no speed (no MJCF has any); what is missing is unlimited.",
         why="The program may drive the joint where, or as fast as, the real one cannot go, and nothing would say so.",
-        remedy='Write `<limit lower="…" upper="…" velocity="…" effort="…"/>` from the data sheet; rad, m, rad/s, N·m.',
+        remedy='Write `<limit lower="…" upper="…" velocity="…" effort="…"/>` from the data sheet; rad, m, rad/s, N·m. '
+        "Beside `mjcf:`, write `speed:`.",
     ),
     Code(
         code="GS764",
@@ -441,7 +444,8 @@ CODES += (
         code="GS766",
         severity=Severity.ERROR,
         title="A kind of joint that is not simulated",
-        what="A joint is floating or planar, or follows another one inside the chain to the flange.",
+        what="A joint is floating, planar or a ball, or follows another one inside the chain to the flange; or a loop "
+        "of bodies is closed there.",
         why="The flange would not go where the real one goes.",
         remedy="Describe the robot with revolute, continuous, prismatic and fixed joints, each driven by itself. If "
         "the tool hangs on a link before the joint named here, write `flange: LINK` beside `urdf:`.",
@@ -477,7 +481,8 @@ CODES += (
         code="GS770",
         severity=Severity.WARNING,
         title="A body that cannot be drawn",
-        what="A mesh file of the robot or of a tool is damaged, or of a kind that cannot be read.",
+        what="A mesh file of the robot or of a tool is damaged, or of a kind that cannot be read; or a body of an MJCF "
+        "is a plane, an ellipsoid or a field of heights.",
         why="Everything moves as it should, but the log does not show this link, and collisions do not see it.",
         remedy="Convert the mesh to STL or OBJ. Collada files (.dae) are read with `pip install 'gcodesim[dae]'`.",
     ),
@@ -485,8 +490,8 @@ CODES += (
         code="GS771",
         severity=Severity.NOTE,
         title="Where the tool hangs was chosen",
-        what="No link of the robot description is called `tool0`, `flange` or `tcp`, and the cell names none; the tool "
-        "hangs on the end of the longest chain of links.",
+        what="No link of the robot description is called `tool0`, `flange` or `tcp` (of an MJCF: `attachment_site`), "
+        "and the cell names none; the tool hangs on the end of the longest chain of links.",
         why="On a description with fingers, the longest chain may end at a finger.",
         remedy="Write `flange: LINK` beside `urdf:`, with the link whose Z axis points out of the flange.",
     ),

@@ -9,7 +9,7 @@ from gcodesim.cell import load_cell
 from gcodesim.diagnostics import Severity, SourceText
 from gcodesim.jobs.job import Options
 from gcodesim.kinematics import load_urdf
-from gcodesim.kinematics.urdf_meshes import _near
+from gcodesim.kinematics.urdf_meshes import near_file
 from gcodesim.log.reader import read_messages
 from gcodesim.simulation import prepare, run
 
@@ -271,4 +271,4 @@ def test_a_file_too_large_for_a_description_is_not_read(tmp_path):
 def test_the_mesh_that_may_be_meant_is_named_as_it_has_to_be_written(tmp_path):
     (tmp_path / "a.stl").write_bytes(b"")
 
-    assert _near(tmp_path / "A.STL", "package://arm/meshes/A.STL") == "did you mean `package://arm/meshes/a.stl`?"
+    assert near_file(tmp_path / "A.STL", "package://arm/meshes/A.STL") == "did you mean `package://arm/meshes/a.stl`?"
