@@ -48,6 +48,8 @@ def softer(
     soft = SoftColumns(np.empty(n), np.empty(n), np.empty(n))
     most = _SHARE * np.minimum(limit, _ANY)
     bends = bends_of(rates, length, follows, goes_on)
+    stands = junction <= 0.0  # what is not passed asks for nothing
+    bends.step[stands], bends.kink[stands] = 0.0, 0.0
     jerk_caps(rates, bends, most, lower, soft.jerk)
     soft.jerk[_straight(bends, lower, most)] *= (1.0 - _STRAIGHT) / _SHARE  # nothing changes besides
     border_caps(rates, bends, length, follows, most, CYCLE, lower.speed, junction, soft)
