@@ -6,8 +6,8 @@ arc into corners of lines, and where none fits (a reversal, rotary axes, arcs) t
 end of one block overlaps with the start of the next. With P or Q, chords within
 that distance of one line become one line.
 
-In G64 the last block before the queue runs empty (the end, a dwell, M8) has half of its acceleration in both ramps, even
-one that stands alone: LinuxCNC 2.9 halves it for every segment that ends in "blend", also where nothing follows
+In G64 the last block before the queue runs empty (the end, a dwell, M8) has half of its acceleration in both ramps,
+even one that stands alone: LinuxCNC 2.9 halves it for every segment that ends in "blend", also where nothing follows
 (`tcGetOverallMaxAccel` in tc.c, 2.9.9; the recorded times say the same). 2.10 halves it only while two segments
 overlap (change 4220 of July 2026); `G61` gives a lone block all of its acceleration in both.
 """
