@@ -7,8 +7,6 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Final
 
-import numpy as np
-
 from gcodesim.executor.ahead import CutThread, WindowCut
 from gcodesim.executor.behind import Behind
 from gcodesim.executor.halt import RunHalt
@@ -27,9 +25,9 @@ from gcodesim.executor.track import (
     Windows,
 )
 from gcodesim.executor.weave import Weave
+from gcodesim.executor.window_motion import move_through
 from gcodesim.shop import Shop
 from gcodesim.tools.gripper import Gripper
-from gcodesim.world import NotAtOnce, WorldSteps
 
 if TYPE_CHECKING:
     from gcodesim.executor.loose_bodies import LooseBodies
@@ -119,7 +117,7 @@ def execute_together(
                 if following is not None and follows and following[0].world.keeps_to_command:
                     cutter.begin(following[1])
                 ahead = None if following is None else following[1]
-                done, follows = _move(track, cutter, cut, ahead)
+                done, follows = move_through(track, cutter, cut, ahead)
                 record = track.take(cut, done)
                 in_hand = [each for each in in_hand if each[1] is not cut]
                 taken.append((track, record))
@@ -231,53 +229,3 @@ def _with_parts(parts: PartRun, taken: Taken) -> Taken:
     poses = parts.poses(record.window.first, q)
     parts.ran.forget(record.window.end)
     return [(track, replace(record, parts=poses, things=parts.things)), *taken[1:]]
-
-
-def _move(track: Track, cutter: CutThread, cut: WindowCut, following: WindowCut | None) -> tuple[WorldSteps, bool]:
-    """Move through a window, tool by tool; also returns whether the motors kept up.
-
-    Where they do, the cut is known already; otherwise it is undone, and world and process go step by step.
-    """
-    moved: list[WorldSteps] = []
-    follows, world = True, track.world
-    index = -1
-    while (index := index + 1) < len(cut.stretches):
-        stretch = cut.stretches[index] if world.keeps_to_command else cut.ready(index)
-        q = cut.window.q[stretch.begin : stretch.end]
-        if not stretch.pushes and (world.keeps_to_command or stretch.pushes_alone):
-            if not world.keeps_to_command:  # what nobody feels goes by the command
-                follows = False
-                stretch.finish()
-            moved.extend(track.move(stretch, cut.window))
-            if not world.keeps_to_command:
-                stretch.settle()
-                cut.wrenches.append(np.zeros(0))
-            continue
-        track.attach(int(cut.window.tool[stretch.begin]))
-        if not world.keeps_to_command:
-            follows = False
-            try:
-                moved.append(world.run(q, stretch))
-            except NotAtOnce as some:
-                cut.stretches[index : index + 1] = stretch.divided(some.after)
-                index -= 1
-                continue
-            stretch.finish()
-            stretch.settle()
-            cut.wrenches.append(np.zeros(0))
-        elif world.keeps_up(q, cut.wrenches[index]):
-            moved.append(track.run_world(cut.window, stretch.begin, stretch.end, cut.wrenches[index]))
-        else:
-            follows = False
-            if following is not None:
-                cutter.take_back(following)
-            cutter.take_back(cut, first=index)
-            moved.append(world.run(q, stretch))
-            stretch.finish()
-            stretch.settle()
-            cut.wrenches.append(np.zeros(0))
-            cutter.cut(cut)
-        track.carry_on(stretch)
-    if not world.keeps_to_command:
-        cutter.see(cut)
-    return WorldSteps.joined(moved), follows
