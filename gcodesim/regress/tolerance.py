@@ -49,7 +49,7 @@ QUANTITIES: Final[Mapping[str, Compared]] = {
     "engaged": Compared(
         dimension="time",
         unit="s",
-        default=Tolerance(0.02, 2e-3),
+        default=Tolerance(0.05, 5e-3),
         what="how long material is removed or added, which is known to a step",
     ),
     "distance": Compared(dimension="length", unit="mm", default=Tolerance(0.01, 1e-4), what="feed and rapid distance"),

