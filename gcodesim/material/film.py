@@ -28,6 +28,7 @@ FACING: Final = 0.5
 _LIKE: Final = 0.985
 """Cosine of the angle (10 degrees) below which two directions of spraying count as one."""
 
+_NO_AREA: Final = 1e-12  # of the square of its longer side: of which rounding decides where a face looks
 _RISE: Final = 0.02
 """What rises over a face by less than this share of the size of faces does not shade it."""
 
@@ -52,7 +53,7 @@ class BodyFilm:
 
     def __init__(self, mesh: Triangles, size: float) -> None:
         """Over the triangles of `mesh`, no edge longer than `size` [m]; TooFineError if these are too many."""
-        fine = refined(mesh, size, MOST_FACES)
+        fine = refined(_with_areas(mesh), size, MOST_FACES)
         tree = tree_of(fine)
         self.points: Array = fine.points
         self.faces = fine.faces[tree.order]
@@ -154,3 +155,11 @@ class BodyFilm:
             self.coat.middle[low],
             self.coat.middle[high],
         )
+
+
+def _with_areas(mesh: Triangles) -> Triangles:
+    """A mesh without faces that have no area, which have no side either; skins of cut stocks have a few."""
+    a, b, c = (mesh.points[mesh.faces[:, k]] for k in range(3))
+    along, across = b - a, c - a
+    some = norms(np.cross(along, across)) > _NO_AREA * np.maximum(norms(along), norms(across)) ** 2
+    return mesh if some.all() else Triangles(points=mesh.points, faces=mesh.faces[some])

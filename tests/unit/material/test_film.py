@@ -210,3 +210,17 @@ def test_refined_triangles_cover_the_same_surface() -> None:
     with pytest.raises(TooFineError) as fault:
         refined(mesh, 1e-4, 1000)
     assert fault.value.needed > 1_000_000
+
+
+@pytest.mark.parametrize("third", [(0.1, 0.1, 0.0), (0.3, 0.3, 0.0), (0.2, 0.2, 0.0)])
+def test_a_face_without_area_gets_nothing_and_spoils_nothing(third: tuple[float, float, float]) -> None:
+    """Skins of stocks that were cut have some: their normals were no numbers, and so was the film of the whole."""
+    whole = triangles_of(Box(lower=(-0.3, -0.3, -0.002), upper=(0.3, 0.3, 0.0)))
+    n = len(whole.points)
+    points = np.concatenate([whole.points, [(0.1, 0.1, 0.0), (0.3, 0.3, 0.0), third]])
+    faces = np.concatenate([whole.faces, [(n, n + 1, n + 2)]]).astype(np.int32)
+    spoilt = Triangles(points=points, faces=faces)
+    clean, film = (BodyFilm(mesh, 20e-3) for mesh in (whole, spoilt))
+
+    assert np.isfinite(film.coat.normal).all()
+    assert np.array_equal(film.coat.middle, clean.coat.middle) and film.area == clean.area
