@@ -54,6 +54,7 @@ from gcodesim.processes.edge_kernels import (
     plunge_way,
     probe,
 )
+from gcodesim.processes.falling_kernels import end_at_wall, is_beside_row, leave_wall
 from gcodesim.processes.limit_kernels import (
     NO_LIMIT,
     SAME_SHARE,
@@ -64,6 +65,7 @@ from gcodesim.processes.limit_kernels import (
     beside,
     end_of_side,
     no_limit,
+    of_radius,
     spot_beyond,
 )
 from gcodesim.processes.rim_kernels import (
@@ -391,6 +393,8 @@ def contact_of_rows(
     room.line[SLOPE_LEFT], room.line[SLOPE_RIGHT], room.line[FRONT] = UNSEEN, UNSEEN, widest + ahead
     at_left = beside(field, columns, tip, beside_way, clearance, span, 1.0, room.load)
     at_right = beside(field, columns, tip, beside_way, clearance, span, -1.0, room.load)
+    outermost_radius = rows[first + number - 1, RADIUS]
+    falls_straight = climb < 0.0 and heading.turn == 0.0
     walled = at_left.angle != NO_LIMIT or at_right.angle != NO_LIMIT
     for i in range(first, first + number):
         sin_kappa, fall = rows[i, SIN_KAPPA], climb * rows[i, COS_KAPPA]
@@ -411,10 +415,24 @@ def contact_of_rows(
                 for k in range(end - begin):
                     places.ups[k] *= room.leans[begin + k]
             ask_places(columns, places, bottom, top, line[begin:end])
+        ended_left, ended_right = NO_LIMIT, NO_LIMIT
+        if walled and falls_straight and sin_kappa <= UPRIGHT:
+            band = EdgeBand(rows[i, RADIUS], bottom, top, least_way)
+            for at_left_side in (True, False):
+                wall = at_left if at_left_side else at_right
+                if wall.angle != NO_LIMIT and is_beside_row(wall, clearance, band, outermost_radius, at_left_side):
+                    limit = of_radius(wall, band.radius, 0.0)
+                    beyond = share_beyond(field, tip, beside_way, clearance, band, limit, at_left_side)
+                    if end_at_wall(circle, clearance, limit.angle, beyond, band.radius, at_left_side, line):
+                        ended_left = limit.angle if at_left_side else ended_left
+                        ended_right = ended_right if at_left_side else limit.angle
         if leave_advancing(sines, level, sin_kappa, fall, line):
             ask_elsewhere(field, circle, tip, heading, clearance, rows, i, room.leans, line)
         known, steps = room.places.us[:last], room.places.vs[:last]  # the places are no longer needed
         left = mark_steps(sines, level, sin_kappa, fall, line, known, steps)
+        for limit_angle in (ended_left, ended_right):
+            if limit_angle != NO_LIMIT:
+                left -= leave_wall(limit_angle, steps)
         rows[i, FROM], rows[i, TO] = reach_of(known, steps)
         told = 0
         if walled and behind == 0 and sin_kappa > UPRIGHT:

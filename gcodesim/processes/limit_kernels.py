@@ -231,8 +231,14 @@ def beside(
     field: Field, columns: ToColumns, tip: Array, heading: Heading, clearance: Clearance, span: EdgeBand, side: float,
     line: Array,
 ) -> ContactLimit:  # fmt: skip
-    """The limit at the outermost wall on the left (1) or on the right (-1), between rim and axis, in front."""
+    """The limit at the outermost wall on the left (1) or on the right (-1), between rim and axis, in front.
+
+    The bottom of a falling tool has nothing else to go by, so that it is looked for twice a cell, lest it pass between
+    two places.
+    """
     radius, limit = span.radius, no_limit()
+    falls_straight = heading.climb < 0.0 and heading.turn == 0.0
+    step = 0.5 * clearance.aside if falls_straight else clearance.aside
     front = radius + clearance.ahead
     ahead, inside = outermost_ahead(radius, heading, clearance), JUST_INSIDE * radius
     while inside > 0.0 and limit.angle == NO_LIMIT:
@@ -240,7 +246,7 @@ def beside(
         if walled_at(field, columns, px, py):
             spot = spot_along(tip, heading, span, ahead, side * inside, clearance.ahead)
             limit = limit_at(field, tip, heading, clearance, radius, spot, line)
-        inside -= clearance.aside
+        inside -= step
         ahead = heading.level * np.sqrt(front * front - inside * inside)
     return limit
 

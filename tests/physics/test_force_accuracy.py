@@ -116,6 +116,29 @@ def test_a_tool_that_rises_along_a_floor_that_rises_feels_only_what_it_cuts():
     compare(cutter, way, passes, (0.6, 0.95), 0.03, 0.07)
 
 
+@pytest.mark.parametrize("side", [1.0, -1.0])
+@pytest.mark.parametrize(("slope", "width"), [(3.0, 1e-3), (3.0, 2.7e-3), (15.0, 1.8e-3)])
+@pytest.mark.parametrize("kind", ["flat_end_mill"])
+def test_a_tool_that_falls_beside_a_deeper_cut(kind, slope, width, side):
+    """Its bottom cuts a strip up to the wall: columns show that softly, and 2 to 13 % of the force were missing."""
+    cutter = mill(kind)
+    deeper = Pass(cutter, placed([(-20e-3, side * width, -8e-3), (20e-3, side * width, -8e-3)]))
+    way = placed([(-4e-3, 0.0, -0.5e-3), (4e-3, 0.0, -0.5e-3 - 8e-3 * math.tan(slope * DEG))])
+
+    stock = block()
+    cut(stock, cutter, None, deeper.places)
+    at, found = cut(stock, cutter, STEEL, way)
+    for look in (0.55, 0.75, 0.95):
+        k = int(look * (len(at) - 1))
+        heading = (at[k + 1] - at[k]) / np.linalg.norm(at[k + 1] - at[k])
+        passes = [deeper, Pass(cutter, at[[0, k]])]
+        wanted = loads(cutter, STEEL, CHIP, 0.5 * (at[k] + at[k + 1]), heading, passes, angles=720, count=24)
+
+        assert np.linalg.norm(found.wrench[k, :3]) == pytest.approx(wanted.size, rel=0.025)
+        assert found["torque"][k] == pytest.approx(wanted.torque, rel=0.025)
+        assert found["peak_force"][k] == pytest.approx(wanted.peak_force, rel=0.13)
+
+
 def test_a_convex_arc_is_felt_all_along() -> None:
     """For up to half a millimetre at a time nothing was felt, where a wall passed between two places of two looks."""
     cutter, radius, wide = mill("flat_end_mill"), 12e-3, 1e-3
