@@ -25,6 +25,7 @@ from gcodesim.kinematics.tree_kernels import joint_frames
 PARTED = 4  # couples of convex bodies that are parted by a direction each before a pair is looked at more closely
 MOST_PIECES = 8  # of a stretch at whose ends two bodies are looked at along one direction
 AHEAD = 8  # places of many stretches that are looked at before all of them are
+TOGETHER = 64  # stretches that one direction is tried on: more of them are halved first, which costs less than to fail
 
 
 class PairSearch(NamedTuple):
@@ -163,7 +164,9 @@ def is_free(p: int, stretches: tuple[int, int], level: float, search: PairSearch
         gap = gap_between(a, b, bodies, descent.Xa, descent.Xb, level, limit, search.gaps, room.n)
         if gap < limit:
             count += 1
-            if gap < level or count > PARTED or not is_above(p, (a, b), stretches, level, search):
+            if gap < level or count > PARTED or stretches[1] - stretches[0] > TOGETHER:
+                return False
+            if not is_above(p, (a, b), stretches, level, search):
                 return False
         top -= 1
 
