@@ -115,6 +115,15 @@ def test_an_exception_keeps_what_was_given(run, new_log, tmp_path):
     assert found.duration_ns == 180 * MS
 
 
+def test_an_exception_before_anything_has_moved_leaves_no_file(run, new_log, tmp_path):
+    """As Ctrl-C while a run begins."""
+    with pytest.raises(KeyboardInterrupt), new_log(tmp_path / "run.mcap") as log:
+        log.program(0, file="part.nc", line=2, text="T1 M6")
+        raise KeyboardInterrupt
+
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_an_attachment_comes_once(run, new_log, tmp_path):
     log = new_log(tmp_path / "run.mcap")
     with pytest.raises(ValueError, match=r"'cell\.yaml' already"):
