@@ -363,14 +363,14 @@ class LogWriter:
     def abandon(self) -> None:
         """Stop without an end: the `.part` file keeps everything given so far, as far as it can be written.
 
-        Where no window was given there is nothing to keep, and no file is left.
+        Where nothing is known beyond time 0, there is nothing to keep, and no file is left.
         """
         if self._container.closed:
             return
         with suppress(OSError, ValueError):
             self.flush_before(self._last_ns + 1)
         self._container.abandon()
-        if all(writer._last_ns < 0 for writer in (self, *self._others)):
+        if all(writer._last_ns <= 0 for writer in (self, *self._others)):
             with suppress(OSError):
                 self._container.part_path.unlink()
 
