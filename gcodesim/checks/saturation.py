@@ -3,14 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.checks import Spans
-from gcodesim.diagnostics import Diagnostic
+from gcodesim.checks.lasting import in_words
+from gcodesim.diagnostics import Diagnostic, Severity
 from gcodesim.frames import Array
 from gcodesim.kinematics.chain import JointKind
+
+BRIEF: Final = 0.05
+"""[s] for which a motor at its limit is a note."""
 
 
 def saturation_findings(
@@ -20,16 +25,17 @@ def saturation_findings(
     limit: Array,
     effort: Array,
     first_row: NDArray[np.int64],
-    steps: NDArray[np.int64],
-    dt: float,
+    seconds: Array,
+    longest: Array,
     spans: Spans,
     starts: Array,
 ) -> list[Diagnostic]:
     """One finding GS230 for each joint that was at its effort limit.
 
     Columns (j,): `limit` and greatest `effort` [N·m, N], `first_row` of the path
-    at which it happened (-1: never), `steps` for how long, each `dt` [s];
-    `starts` [s] tells when each path row begins.
+    at which it happened (-1: never), for how long in all and at most at a time [s];
+    `starts` [s] tells when each path row begins. It is a note where motors were at
+    their limit for moments only: the tip is where the run says, a little late.
     """
     found = []
     for joint, name in enumerate(names):
@@ -38,14 +44,20 @@ def saturation_findings(
         unit = "N" if kinds[joint] == "prismatic" else "N·m"
         needed, allowed = abs(float(effort[joint])), float(limit[joint])
         # a world with motors stops at the limit, one without them says what effort would have been needed
-        what = f"{needed:.1f} {unit} would be needed" if needed > allowed * (1.0 + 1e-6) else "more would be needed"
+        capped = needed <= allowed * (1.0 + 1e-6)
+        what = "more would be needed" if capped else f"{needed:.1f} {unit} would be needed"
+        brief = capped and longest[joint] <= BRIEF
         found.append(
             Diagnostic(
                 code="GS230",
-                message=f"{name} is at its limit of {allowed:.1f} {unit}, {what}, for {float(steps[joint]) * dt:.3f} s",
+                severity=Severity.NOTE if brief else None,
+                message=f"{name} is at its limit of {allowed:.1f} {unit}, {what}, "
+                f"for {in_words(float(seconds[joint]), float(longest[joint]))}",
                 span=spans(int(first_row[joint])),
                 time=float(starts[first_row[joint]]),
-                hint="cut less deep or slower, hold the tool closer to the robot, or use a stronger one",
+                hint="so short a lack only makes the joint late by what the path accuracy shows"
+                if brief
+                else "cut less deep or slower, hold the tool closer to the robot, or use a stronger one",
                 value=needed,
                 limit=allowed,
                 unit=unit,

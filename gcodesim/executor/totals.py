@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.checks.lasting import Lasting
 from gcodesim.frames import Array
 from gcodesim.processes.column import FINDINGS, HOUSE, LINES, RESULTS
 
@@ -84,7 +85,7 @@ class JointTotals:
     effort: Array
     effort_row: RowNumbers
     saturated_row: RowNumbers = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
-    saturated_ticks: RowNumbers = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
+    saturated: Lasting = field(default_factory=lambda: Lasting(0))
     told: bool = True
 
     @staticmethod
@@ -102,7 +103,7 @@ class JointTotals:
             effort=zero.copy(),
             effort_row=none.copy(),
             saturated_row=none.copy(),
-            saturated_ticks=np.zeros(count, dtype=np.int64),
+            saturated=Lasting(count),
             told=told,
         )
 
@@ -135,4 +136,4 @@ class JointTotals:
         self.effort = np.maximum(self.effort, np.abs(effort[top, index]))
         fresh = saturated.any(axis=0) & (self.saturated_row < 0)
         self.saturated_row[fresh] = rows[saturated.argmax(axis=0)][fresh]
-        self.saturated_ticks += (saturated * ticks[:, None]).sum(axis=0)
+        self.saturated.add(saturated, ticks)

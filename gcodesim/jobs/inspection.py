@@ -200,8 +200,8 @@ class Inspector:
             limit=own.effort,
             effort=joints.effort,
             first_row=joints.saturated_row,
-            steps=joints.saturated_ticks,
-            dt=self._dt,
+            seconds=joints.saturated.total * self._dt,
+            longest=joints.saturated.longest * self._dt,
             spans=self._span,
             starts=self._starts,
         )

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.checks.lasting import Lasting, in_words
 from gcodesim.frames import Array
 from gcodesim.units import KW
 
@@ -35,23 +36,14 @@ class Load:
     turns: bool
     seconds: float = 0.0
     longest: float = 0.0
-    _ticks: int = 0
-    _run: int = 0
-    _longest: int = 0
+    _above: Lasting = field(default_factory=lambda: Lasting(1))
 
     def add(self, values: Array, ticks: NDArray[np.int64], dt: float) -> bool:
         """Add `values` (n,) of steps, each of some `ticks` (n,) of `dt` [s]; whether any of them is above the limit."""
         above = np.abs(values) > self.limit
-        if not above.any():
-            self._run = 0
-            return False
-        total = np.cumsum(ticks * above)
-        self._ticks += int(total[-1])
-        runs = np.diff(np.concatenate([[-self._run], total[~above], total[-1:]]))
-        self._run = int(runs[-1])
-        self._longest = max(self._longest, int(runs.max()))
-        self.seconds, self.longest = self._ticks * dt, self._longest * dt
-        return True
+        self._above.add(above[:, None], ticks)
+        self.seconds, self.longest = float(self._above.total[0]) * dt, float(self._above.longest[0]) * dt
+        return bool(above.any())
 
     @property
     def brief(self) -> bool:
@@ -61,9 +53,7 @@ class Load:
     @property
     def duration(self) -> str:
         """In words: how long in all, and at most at a time."""
-        if self._ticks == self._longest:
-            return f"{self.seconds:.3f} s"
-        return f"{self.seconds:.3f} s in all, {self.longest:.3f} s at most at a time"
+        return in_words(self.seconds, self.longest)
 
 
 def loads_of(limits: Limits) -> list[Load]:

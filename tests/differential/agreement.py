@@ -127,10 +127,10 @@ def _as_standalone(run: Run) -> list[canon.Event]:
         return _as_probed(run)
 
 
-def _tripped(control: Control, event: canon.ProbeMove, reply: canon.Axes | None) -> None:
-    tripped(control, event, None)
+def _tripped(control: Control, event: canon.ProbeMove, reply: canon.Axes | None, *, meets: bool = True) -> None:
+    tripped(control, event, None, meets=meets)
     stored = {PROBE + axis: control.parameters.get(PROBE + axis) for axis in range(9)}
-    tripped(control, event, reply)
+    tripped(control, event, reply, meets=meets)
     control.parameters.numbers |= stored
 
 

@@ -102,6 +102,9 @@ class FanucFlow(FlowControl):
         loops = self._lines.loops(self.running.part)
         if index in loops.wrong:
             raise Stopped("GS130", loops.wrong[index], hint="each DO needs its END, and loops may only nest")
+        if index not in (loops.starts if flow.keyword == "end" else loops.ends):
+            message = f"{flow.keyword.upper()}{number} is taken apart by a `/`, so that it belongs to no loop"
+            raise Stopped("GS130", message, hint="a `/` stands before a block or before a word")
         if flow.keyword == "end":
             start = loops.starts[index]
             if start not in self.running.begun:

@@ -246,6 +246,15 @@ def test_endless_recursion_is_a_finding(fanuc):
     assert [f.code for f in done.errors] == ["GS132"]
 
 
+@pytest.mark.parametrize("line", ["E/ND1", "WHILE[#1 LT 3]D/O1"])
+def test_a_word_of_a_loop_that_a_slash_divides_is_a_finding(fanuc, line):
+    """It ended in a KeyError."""
+    done = fanuc(body("#1=0", line, "G0 X1.", "M30"))
+
+    assert [(f.code, f.span.line) for f in done.errors] == [("GS130", 4)]
+    assert "`/`" in done.errors[0].message
+
+
 def test_a_goto_may_not_enter_a_loop(fanuc):
     done = fanuc(body("GOTO 5", "WHILE[#1 LT 3]DO1", "N5 G0 X1.", "END1", "M30"))
 

@@ -1,0 +1,35 @@
+"""For how long something holds: in all, and at most at a time."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+class Lasting:
+    """Times [ticks of the clock] during which each of j things holds, gathered window by window.
+
+    `total` (j,) is all of it, `longest` (j,) the longest stretch without a break.
+    """
+
+    def __init__(self, count: int) -> None:
+        self.total = np.zeros(count, dtype=np.int64)
+        self.longest = np.zeros(count, dtype=np.int64)
+        self._going = np.zeros(count, dtype=np.int64)  # the stretch that has not ended yet
+
+    def add(self, holds: NDArray[np.bool_], ticks: NDArray[np.int64]) -> None:
+        """Whether each thing holds in the next n steps (n, j), and the ticks (n,) that they take."""
+        self._going[~holds.any(axis=0)] = 0
+        for j in np.flatnonzero(holds.any(axis=0)):
+            so_far = np.cumsum(ticks * holds[:, j])
+            stretches = np.diff(np.concatenate([[-self._going[j]], so_far[~holds[:, j]], so_far[-1:]]))
+            self.total[j] += so_far[-1]
+            self.longest[j] = max(self.longest[j], stretches.max())
+            self._going[j] = stretches[-1]
+
+
+def in_words(total: float, longest: float) -> str:
+    """Seconds as messages say them."""
+    if total == longest:
+        return f"{total:.3f} s"
+    return f"{total:.3f} s in all, {longest:.3f} s at most at a time"
