@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.frames import Array
+
 
 class Lasting:
     """Times [ticks of the clock] during which each of j things holds, gathered window by window.
@@ -26,6 +28,10 @@ class Lasting:
             self.total[j] += so_far[-1]
             self.longest[j] = max(self.longest[j], stretches.max())
             self._going[j] = stretches[-1]
+
+    def in_seconds(self, dt: float) -> tuple[Array, Array]:
+        """`total` and `longest` (j,) where a tick takes `dt` [s]."""
+        return self.total.astype(np.float64) * dt, self.longest.astype(np.float64) * dt
 
 
 def in_words(total: float, longest: float) -> str:

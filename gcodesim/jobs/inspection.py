@@ -194,14 +194,15 @@ class Inspector:
 
     def _saturation(self, joints: JointTotals) -> list[Diagnostic]:
         own = self._shop.kinematics.joints
+        seconds, longest = joints.saturated.in_seconds(self._dt)
         return saturation_findings(
             self._shop.joint_names,
             own.kinds,
             limit=own.effort,
             effort=joints.effort,
             first_row=joints.saturated_row,
-            seconds=joints.saturated.total * self._dt,
-            longest=joints.saturated.longest * self._dt,
+            seconds=seconds,
+            longest=longest,
             spans=self._span,
             starts=self._starts,
         )

@@ -42,7 +42,8 @@ class Load:
         """Add `values` (n,) of steps, each of some `ticks` (n,) of `dt` [s]; whether any of them is above the limit."""
         above = np.abs(values) > self.limit
         self._above.add(above[:, None], ticks)
-        self.seconds, self.longest = float(self._above.total[0]) * dt, float(self._above.longest[0]) * dt
+        seconds, longest = self._above.in_seconds(dt)
+        self.seconds, self.longest = float(seconds[0]), float(longest[0])
         return bool(above.any())
 
     @property
