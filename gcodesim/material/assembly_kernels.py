@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 FUSE = 1.0e-9  # [m] between what stands in each other, up to which it touches
 
 
-class Line(NamedTuple):
+class ColumnAxis(NamedTuple):
     """The points (x, y, z) + t (dx, dy, dz) [m] of a part's frame: the middle of a column of the whole, at height t."""
 
     x: float
@@ -31,7 +31,7 @@ class Line(NamedTuple):
 
 
 @kernel
-def put_in_column(columns: Columns, i: int, j: int, part: Columns, of_part: Grid, line: Line) -> bool:
+def put_in_column(columns: Columns, i: int, j: int, part: Columns, of_part: Grid, line: ColumnAxis) -> bool:
     """Add to column (i, j) what a part holds along `line`; False: no room. It may be called again with more room."""
     mx, my = part.number.shape
     begin, end = -math.inf, math.inf  # where the line is over the grid
@@ -80,7 +80,7 @@ def put_in(columns: Columns, grid: Grid, part: Columns, of_part: Grid, X: Array)
         x = grid.x + (i + 0.5) * grid.dx
         for j in range(ny):
             y = grid.y + (j + 0.5) * grid.dy
-            line = Line(
+            line = ColumnAxis(
                 X[0, 0] * x + X[0, 1] * y + X[0, 3],
                 X[1, 0] * x + X[1, 1] * y + X[1, 3],
                 X[2, 0] * x + X[2, 1] * y + X[2, 3],

@@ -161,5 +161,6 @@ def _with_areas(mesh: Triangles) -> Triangles:
     """A mesh without faces that have no area, which have no side either; skins of cut stocks have a few."""
     a, b, c = (mesh.points[mesh.faces[:, k]] for k in range(3))
     along, across = b - a, c - a
-    some = norms(np.cross(along, across)) > _NO_AREA * np.maximum(norms(along), norms(across)) ** 2
+    longest = np.maximum(norms(along), norms(across))
+    some = norms(np.cross(along, across)) > _NO_AREA * longest * longest
     return mesh if some.all() else Triangles(points=mesh.points, faces=mesh.faces[some])

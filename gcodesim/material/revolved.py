@@ -93,7 +93,8 @@ def missed_between(profile: Profile) -> float:
     count each by itself, so that a groove over an inner one does not hide both.
     """
     used = np.arange(profile.lo.shape[1])[None] < profile.number[:, None]
-    outer = np.where(used, profile.hi, 0.0).max(axis=1, initial=0.0) ** 2
+    widest = np.where(used, profile.hi, 0.0).max(axis=1, initial=0.0)
+    outer = widest * widest
     rings = np.where(used, profile.hi * profile.hi - profile.lo * profile.lo, 0.0).sum(axis=1)
     return pi * (_missed(outer) + _missed(outer - rings))
 

@@ -26,6 +26,8 @@ def test_a_binary_print_runs_as_its_text_does(cli, tmp_path: Path) -> None:
         assert out.status == 0
         results[name] = json.loads(out.out)
     binary, text = (results[name] for name in ("print.bgcode", "print.gcode"))
+    told = binary["printing"].pop("slicer_filament_mm")  # its block of metadata says so, which the text has not
+    assert told == 12.3
     assert binary["time"] == text["time"] and binary["printing"] == text["printing"]
     assert binary["printing"]["layers"]
 

@@ -28,7 +28,7 @@ def interrupt(monkeypatch: pytest.MonkeyPatch) -> Interrupt:
     """Let a Ctrl-C come while a run is in its `after`th window."""
 
     def interrupt(after: int = 2) -> None:
-        move, left = loop._move, [after]
+        move, left = loop.move_through, [after]
 
         def interrupted(*arguments: Any) -> Any:
             left[0] -= 1
@@ -36,7 +36,7 @@ def interrupt(monkeypatch: pytest.MonkeyPatch) -> Interrupt:
                 raise KeyboardInterrupt
             return move(*arguments)
 
-        monkeypatch.setattr(loop, "_move", interrupted)
+        monkeypatch.setattr(loop, "move_through", interrupted)
         monkeypatch.setattr(pacing, "MOST_STEPS", 100)
 
     return interrupt
@@ -121,7 +121,7 @@ def number(request: pytest.FixtureRequest) -> Iterator[signal.Signals]:
 def test_other_signals_close_the_log_as_well(
     cli, monkeypatch: pytest.MonkeyPatch, tmp_path: Path, number: signal.Signals
 ) -> None:
-    move, left = loop._move, [3]
+    move, left = loop.move_through, [3]
 
     def killed(*arguments: Any) -> Any:
         left[0] -= 1
@@ -129,7 +129,7 @@ def test_other_signals_close_the_log_as_well(
             signal.raise_signal(number)
         return move(*arguments)
 
-    monkeypatch.setattr(loop, "_move", killed)
+    monkeypatch.setattr(loop, "move_through", killed)
     before = signal.getsignal(number)
     done = cli("run", "slot.nc", "--cell", "cell.yaml")
     assert done.status == 128 + number
@@ -143,7 +143,7 @@ def test_two_signals_that_come_together_are_one(
     cli, monkeypatch: pytest.MonkeyPatch, tmp_path: Path, together_s: float, is_closed: bool
 ) -> None:
     """`timeout` sends one to the process and one to its group; a second Ctrl-C of a person comes later."""
-    move, results_of, left = loop._move, one_run.results_of, [3]
+    move, results_of, left = loop.move_through, one_run.results_of, [3]
 
     def first(*arguments: Any) -> Any:
         left[0] -= 1
@@ -155,7 +155,7 @@ def test_two_signals_that_come_together_are_one(
         signal.raise_signal(signal.SIGTERM)
         return results_of(*arguments, **named)
 
-    monkeypatch.setattr(loop, "_move", first)
+    monkeypatch.setattr(loop, "move_through", first)
     monkeypatch.setattr(one_run, "results_of", second)
     monkeypatch.setattr("gcodesim.cli.simulate._TOGETHER_S", together_s)
     assert cli("run", "slot.nc", "--cell", "cell.yaml").status == 143
@@ -172,7 +172,7 @@ def test_a_signal_in_a_run_of_test_and_accept_has_its_own_status(
     cli, monkeypatch: pytest.MonkeyPatch, number: signal.Signals
 ) -> None:
     """The run ends in order, and what it tells of that says nothing of the signal."""
-    monkeypatch.setattr(loop, "_move", lambda *_: signal.raise_signal(number))
+    monkeypatch.setattr(loop, "move_through", lambda *_: signal.raise_signal(number))
     for command in ("accept", "test"):
         done = cli(command, "slot.nc", "--cell", "cell.yaml")
         assert (done.status, done.err) == (128 + number, "gcodesim: interrupted\n")

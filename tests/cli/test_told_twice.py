@@ -125,7 +125,7 @@ def test_info_fails_on_a_log_that_is_not_whole(cli, results, monkeypatch, tmp_pa
     elif damage == "interrupted":
         from gcodesim.executor import loop
 
-        move, left = loop._move, [3]
+        move, left = loop.move_through, [3]
 
         def interrupted(*arguments):
             left[0] -= 1
@@ -133,7 +133,7 @@ def test_info_fails_on_a_log_that_is_not_whole(cli, results, monkeypatch, tmp_pa
                 raise KeyboardInterrupt
             return move(*arguments)
 
-        monkeypatch.setattr(loop, "_move", interrupted)
+        monkeypatch.setattr(loop, "move_through", interrupted)
         assert cli("run", "part.nc", "--cell", "cell.yaml").status == 130
     for form in ("text", "json"):
         assert cli("info", "out", "--format", form).status == 0

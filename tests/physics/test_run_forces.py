@@ -155,8 +155,10 @@ def test_motors_that_carry_the_arm_but_not_the_cut(world: str, stiffness: str, t
     efforts[weakest] = 0.5 * (free[weakest] + held[weakest])
     with_efforts(tmp_path, efforts)
     weak = run_texts(HEAVY, cell, world=world, folder=tmp_path)
-    assert [found for found in weak.misuse if found[0] != "GS518"] == [("GS230", 8)]  # moving gears may chatter, too
-    assert f"joint_{weakest + 1}" in next(finding.message for finding in weak.bad if finding.code == "GS230")
+    # moving gears may chatter, too, and motors lack torque for moments only, which is a note
+    assert [found for found in weak.misuse if found[0] not in ("GS230", "GS518")] == []
+    [told] = [finding for finding in weak.results.findings if finding.code == "GS230"]
+    assert told.span.line == 8 and f"joint_{weakest + 1}" in told.message
     idle = run_texts(HEAVY, cell.replace(MATERIAL, ""), world=world, folder=tmp_path)
     assert not idle.bad
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from math import pi
 from pathlib import Path
 
@@ -133,15 +134,21 @@ def test_a_beam_goes_around_a_bar_as_deep_everywhere(tool: str) -> None:
         assert own == pytest.approx(30.0 * MM**3, rel=0.06), middle
 
 
+def _within(z: np.ndarray, intervals: Iterable[tuple[float, float]]) -> np.ndarray:
+    """Whether each height is in one of the intervals."""
+    return np.array([(z >= low) & (z < high) for low, high in intervals]).any(axis=0) | np.zeros(len(z), dtype=bool)
+
+
 def sectors_of_what_is_gone(placed: PlacedStock) -> tuple[np.ndarray, np.ndarray]:
     """Angles [deg] about the bar, from the top on, of bits that were cut, with their volumes [m³]."""
     stock, step = placed.stock, 0.02 * MM
     z = np.arange(-20 * MM + 0.5 * step, 20 * MM, step)
-    there = [np.zeros((*stock.field.columns.number.shape, len(z)), dtype=bool) for _ in range(2)]
-    for held, (lo, hi, number) in zip(there, (stock.original, stock.field.columns), strict=True):
-        for k in range(lo.shape[2]):
-            held |= (k < number)[:, :, None] & (z >= lo[:, :, k, None]) & (z < hi[:, :, k, None])
-    _, j, k = np.nonzero(there[0] & ~there[1])
-    grid = stock.field.grid
-    across = grid.y + (j + 0.5) * grid.dy
-    return np.degrees(np.arctan2(across, z[k])), np.full(len(j), grid.dx * grid.dy * step)
+    (low, _), (dx, dy) = stock.bounds, stock.spacing
+    found = []
+    for i, j in np.argwhere(stock.original.number > 0):
+        x, y = low[0] + (i + 0.5) * dx, low[1] + (j + 0.5) * dy
+        was = zip(*(side[i, j, : stock.original.number[i, j]] for side in stock.original[:2]), strict=True)
+        gone = z[_within(z, was) & ~_within(z, stock.intervals_at(x, y))]
+        found.append(np.stack([np.full(len(gone), y), gone]))
+    across, up = np.concatenate(found, axis=1)
+    return np.degrees(np.arctan2(across, up)), np.full(len(up), dx * dy * step)

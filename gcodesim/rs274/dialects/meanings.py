@@ -217,6 +217,7 @@ _PRINTER: Final = {
     "G29": "probe the bed",
     "G90": "coordinates are absolute",
     "G91": "coordinates are steps",
+    "G60": "remember where the tool is, as place S",
     "G92": "call the place where the tool is, or the filament, by these values",
     "M2": "end of the program",
     "M17": "motors on",

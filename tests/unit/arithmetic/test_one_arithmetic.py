@@ -44,7 +44,7 @@ POSES = {
     *("jobs/verification.py", "jobs/collisions.py", "cell/assembly.py", "checks/cell_bodies.py"),
     *("checks/cell_meetings.py", "kinematics/posed_links.py", "tools/own_body.py", "tools/tool.py"),
     *("recorder/bodies.py", "recorder/loose.py", "cell/machine.py", "cell/surfaces.py"),
-    *("checks/stock_watch.py", "post/language.py", "post/from_plan.py"),
+    *("checks/stock_watch.py", "post/language.py", "post/from_plan.py", "material/beam.py"),
 }
 SCREEN = {"world/window.py", "observation/spectator.py"}
 """What is seen in a window and clicked at; nothing of it comes into a file."""
