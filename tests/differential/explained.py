@@ -170,6 +170,10 @@ EXPLAINED: tuple[Explanation, ...] = (
         ),
     ),
     Explanation(
+        "LinuxCNC refuses to set a value of its INI file; the standalone interpreter has none, and sets a parameter",
+        _found(r"refused.*GS122 #<_(?:ini|hal)\["),
+    ),
+    Explanation(
         "a number above 1e30 is refused here: no machine can be given it",
         _found(r"refused.*GS123 the value .* is out of any machine's range"),
     ),
