@@ -21,8 +21,9 @@ class Lasting:
 
     def add(self, holds: NDArray[np.bool_], ticks: NDArray[np.int64]) -> None:
         """Whether each thing holds in the next n steps (n, j), and the ticks (n,) that they take."""
-        self._going[~holds.any(axis=0)] = 0
-        for j in np.flatnonzero(holds.any(axis=0)):
+        ever = holds.any(axis=0)
+        self._going[~ever] = 0
+        for j in np.flatnonzero(ever):
             so_far = np.cumsum(ticks * holds[:, j])
             stretches = np.diff(np.concatenate([[-self._going[j]], so_far[~holds[:, j]], so_far[-1:]]))
             self.total[j] += so_far[-1]

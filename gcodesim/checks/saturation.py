@@ -15,7 +15,7 @@ from gcodesim.frames import Array
 from gcodesim.kinematics.chain import JointKind
 
 BRIEF: Final = 0.05
-"""[s] for which a motor at its limit is a note."""
+"""[s] at a time up to which a motor at its limit is a note."""
 
 
 def saturation_findings(
@@ -55,7 +55,7 @@ def saturation_findings(
                 f"for {in_words(float(seconds[joint]), float(longest[joint]))}",
                 span=spans(int(first_row[joint])),
                 time=float(starts[first_row[joint]]),
-                hint="so short a lack only makes the joint late by what the path accuracy shows"
+                hint="it lacks torque for moments only; the path accuracy tells how far off the tip is"
                 if brief
                 else "cut less deep or slower, hold the tool closer to the robot, or use a stronger one",
                 value=needed,

@@ -24,9 +24,9 @@ from gcodesim.frames import Array, Pose, rotation_about
 from gcodesim.kinematics.chain import Chain, Inertial, Joint, Link
 from gcodesim.kinematics.mjcf_files import MjcfFiles
 from gcodesim.kinematics.mjcf_shapes import pose_of, shapes_of
-from gcodesim.kinematics.urdf import LARGEST_XML, NamedFlange
+from gcodesim.kinematics.urdf import NamedFlange
 from gcodesim.kinematics.urdf_tree import FLANGE_NAMES, LinkTree, TreeReader
-from gcodesim.kinematics.xml_lines import Faults, LinedElement, XmlError, parse_xml
+from gcodesim.kinematics.xml_lines import Faults, LinedElement, read_description
 
 _SITES: Final = (*FLANGE_NAMES, "attachment_site")
 _LINE = re.compile(r"line (\d+)")
@@ -47,16 +47,8 @@ def load_mjcf(
     asks knows how fast the joints are. Never raises for a fault of the file, nor without the extra `mjcf`.
     """
     faults = Faults(name or path.name)
-    try:
-        if path.stat().st_size > LARGEST_XML:
-            faults.find("GS760", f"`{faults.file}` is larger than {LARGEST_XML // 1_000_000} MB, no MJCF is", None)
-            return None, faults.findings
-        root = parse_xml(path.read_bytes())
-    except OSError as error:
-        faults.find("GS760", f"`{faults.file}` cannot be read: {error.strerror}", None)
-        return None, faults.findings
-    except XmlError as error:
-        faults.find_at(error.line, error.column, "GS760", f"the MJCF is not well-formed XML: {error}", error.hint)
+    root = read_description(path, "MJCF", faults)
+    if root is None:
         return None, faults.findings
     if root.tag != "mujoco":
         hint = "a URDF goes beside `urdf:`" if root.tag == "robot" else ""

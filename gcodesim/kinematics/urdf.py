@@ -25,10 +25,9 @@ from gcodesim.frozen import frozen
 from gcodesim.kinematics.chain import GREY, Chain, Inertial, Joint, JointKind, Link, LinkSolid
 from gcodesim.kinematics.urdf_meshes import EXPAND, MeshFiles
 from gcodesim.kinematics.urdf_tree import TreeReader
-from gcodesim.kinematics.xml_lines import Faults, LinedElement, XmlError, parse_xml
+from gcodesim.kinematics.xml_lines import Faults, LinedElement, read_description
 from gcodesim.solids import Box, Cylinder, Mesh, MeshFile, Sphere
 
-LARGEST_XML: Final = 20_000_000
 _BODIES: Final = "box, cylinder, capsule, sphere or mesh"
 _OTHERS: Final = {
     "sdf": "Gazebo's SDF is another format: export a URDF",
@@ -69,16 +68,8 @@ def load_urdf(
     moves and follows none is driven, and F is the root unless it is named. Never raises for a fault of the file.
     """
     faults = Faults(name or path.name)
-    try:
-        if path.stat().st_size > LARGEST_XML:
-            faults.find("GS760", f"`{faults.file}` is larger than {LARGEST_XML // 1_000_000} MB, no URDF is", None)
-            return None, faults.findings
-        root = parse_xml(path.read_bytes())
-    except OSError as error:
-        faults.find("GS760", f"`{faults.file}` cannot be read: {error.strerror}", None)
-        return None, faults.findings
-    except XmlError as error:
-        faults.find_at(error.line, error.column, "GS760", f"the URDF is not well-formed XML: {error}", error.hint)
+    root = read_description(path, "URDF", faults)
+    if root is None:
         return None, faults.findings
     chain = _Reader(path, faults, MeshFiles(path, packages or {}, may_read, faults), flange, robot).chain(root)
     return (None if faults.failed else chain), faults.findings

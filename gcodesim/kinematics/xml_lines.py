@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import xml.etree.ElementTree as ET
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any, Final
 from xml.parsers import expat
 
@@ -14,6 +15,8 @@ _REMEDIES: Final = {
     "no element found": "the file is cut off, or an element is not closed",
     "mismatched tag": "an element that begins before this line is not closed",
 }
+_LARGEST: Final = 20_000_000
+"""Bytes of a description; those of real robots have a hundredth of it."""
 _OTHERWISE: Final = "`--` may not stand in a comment, nor `<` or `&` by themselves in a text"
 
 
@@ -64,6 +67,20 @@ class Faults:
         """A finding at a place in the file; None: at the file."""
         span = Span(self.file) if line is None else Span(self.file, line, column, line, column + 1)
         self.findings.append(Diagnostic(code=code, message=message, span=span, hint=hint))
+
+
+def read_description(path: Path, what: str, faults: Faults) -> LinedElement | None:
+    """The root of a description of format `what`, such as URDF; None, with a finding GS760, where it has none."""
+    try:
+        if path.stat().st_size > _LARGEST:
+            faults.find("GS760", f"`{faults.file}` is larger than {_LARGEST // 1_000_000} MB, no {what} is", None)
+            return None
+        return parse_xml(path.read_bytes())
+    except OSError as error:
+        faults.find("GS760", f"`{faults.file}` cannot be read: {error.strerror}", None)
+    except XmlError as error:
+        faults.find_at(error.line, error.column, "GS760", f"the {what} is not well-formed XML: {error}", error.hint)
+    return None
 
 
 def parse_xml(raw: bytes) -> LinedElement:

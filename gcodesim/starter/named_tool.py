@@ -11,7 +11,7 @@ from gcodesim.units import MM
 _LENGTH: Final = 100.0 * MM
 _BEAD = re.compile(r"bead\s*[:=]?\s*([0-9.]+)\s*(?:mm)?\s*[x×*]\s*([0-9.]+)", re.IGNORECASE)
 _SWITCHES = re.compile(r"\bM0*([0-9]{1,3})\b\D{1,20}\bM0*([0-9]{1,3})\b", re.IGNORECASE)
-_ANY = re.compile(r"\b(?:mill|cutter|drill|reamer|tap)\b", re.IGNORECASE)
+_CUTTER = re.compile(r"\b(?:mill|cutter|drill|reamer|tap)\b", re.IGNORECASE)
 _GUESSES: Final = (
     (
         r"weld|mig\b|mag\b|gmaw",
@@ -66,7 +66,7 @@ class NamedTool:
 def named_tool(text: str) -> NamedTool | None:
     """By words about one tool; None where they name a cutter, or nothing."""
     found = next(((kind, keys) for words, kind, keys in _KINDS if words.search(text)), None)
-    if found is None or _ANY.search(text):
+    if found is None or _CUTTER.search(text):
         return None
     kind, keys = found
     if kind == "extruder":

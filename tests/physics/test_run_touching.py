@@ -46,7 +46,7 @@ def touching(seed: int, deeper: float) -> set[tuple[str, int]]:
 
 @pytest.mark.parametrize("seed", range(14))
 def test_what_touches_is_no_collision_and_a_hundredth_deeper_is_one(seed: int) -> None:
-    """Of these holders nine were in the stock by rounding (GS405, 0.000 mm deep)."""
+    """Of these holders eight were in the stock by rounding (GS405, 0.000 mm deep)."""
     assert touching(seed, 0.0) == set()
     assert {code for code, _ in touching(seed, 0.01)} == {"GS301", "GS405"}
 
