@@ -13,8 +13,11 @@ from gcodesim.units import MM
 
 
 def empty_spindle_findings(path: ToolPath, cell: Cell) -> Iterator[Diagnostic]:
-    """GS506 when the program feeds and no move of it has a tool, so that it can cut nothing; at the first such move."""
-    if not cell.stocks or not len(path) or 0 in cell.tools:  # tool 0 is an extruder, no empty spindle
+    """GS506 when the program feeds and no move of it has a tool, so that it can cut nothing; at the first such move.
+
+    A program that pushes filament is GS548 instead.
+    """
+    if not cell.stocks or not len(path) or 0 in cell.tools or (path.extrude > 0.0).any():  # tool 0 is an extruder
         return
     tools = np.array([state.tool for state in path.states])[path.state]
     feeds = np.flatnonzero((path.kind >= LINE) & np.isfinite(path.feed) & (path.length > 0.0))

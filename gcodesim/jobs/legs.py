@@ -27,6 +27,7 @@ from gcodesim.checks.idle import blind_axis_findings
 from gcodesim.checks.machine_collisions import STOCK_HIT
 from gcodesim.checks.speed import speed_findings
 from gcodesim.checks.told_once import told_once
+from gcodesim.checks.unused_filament import unused_filament_findings
 from gcodesim.diagnostics import Diagnostic, Severity, Span
 from gcodesim.frames import Array
 from gcodesim.jobs.marks import is_stop, lone_marks
@@ -247,6 +248,7 @@ class Legs:
                 self._job.findings.extend(lone_marks(self._job.channel, self._job.events))
             whole = path if before is None else before.path.then(path)
             self._job.findings.extend(empty_spindle_findings(whole, self.shop.cell))
+            self._job.findings.extend(unused_filament_findings(whole, self.shop.cell))
             self._job.findings.extend(switching_findings(whole, self.shop))
             loaded = self.shop.cell.channels[self.shop.channel].loaded_tool or 0
             self._job.findings.extend(

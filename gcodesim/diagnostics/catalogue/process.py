@@ -409,6 +409,15 @@ CODES: tuple[Code, ...] = (
         remedy="Move the fixture or the cut; let the plate lie on a grid that is meant to wear.",
     ),
     Code(
+        code="GS548",
+        severity=Severity.WARNING,
+        title="Filament without a nozzle",
+        what="E words push filament while the tool in the head is no extruder, or there is none.",
+        why="Nothing is laid, so the run says nothing about the print: neither volume, nor beads in the air.",
+        remedy="Describe the nozzle as a tool of type `extruder`, tool 0 for T0, or choose it with T before the first "
+        "E word.",
+    ),
+    Code(
         code="GS560",
         severity=Severity.ERROR,
         title="A part is lost",

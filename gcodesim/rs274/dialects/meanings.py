@@ -215,6 +215,7 @@ _PRINTER: Final = {
     "G11": "undo the retraction",
     "G28": "home the axes that are named, or all",
     "G29": "probe the bed",
+    "G30": "probe the bed at one place",
     "G90": "coordinates are absolute",
     "G91": "coordinates are steps",
     "G60": "remember where the tool is, as place S",

@@ -29,6 +29,7 @@ from gcodesim.rs274.marlin.duet.tool_change import ChangeStep, steps_of
 from gcodesim.rs274.marlin.halted_print import HaltedPrint
 from gcodesim.rs274.marlin.limits import first_limits, first_retraction
 from gcodesim.rs274.marlin.line import MarlinLine, line_of
+from gcodesim.rs274.marlin.machine_moves import MACHINE_MOVES
 from gcodesim.rs274.marlin.macros import MACROS
 from gcodesim.rs274.marlin.moves import MOVES, SYSTEMS, change_unit, choose_system, here
 from gcodesim.rs274.marlin.printer import Printer
@@ -43,9 +44,7 @@ from gcodesim.rs274.tool_table import ToolEntry
 from gcodesim.rs274.watch import Watches
 from gcodesim.rs274.watch.filament import FallingFilament
 
-_KNOWN_G: Final = frozenset(
-    (12, 26, 27, 29, 30, 31, 32, 33, 34, 35, 39, 42, 53, 60, 61, 76, 80, 150, 380, 383, 384, 392, 425)
-)
+_KNOWN_G: Final = frozenset((12, 26, 27, 29, 31, 32, 33, 34, 35, 39, 42, 60, 61, 76, 80, 150, 380, 383, 384, 392, 425))
 """G codes that are read and not simulated: of levelling, cleaning, parking and the like; 39, 150 and 380 to 392, also
 with a point behind, are Bambu's. All others move, so that what follows would be wrong."""
 
@@ -53,6 +52,7 @@ _OWN_G: Final = 600
 """G codes from here on are a maker's or user's own, as macros are: G2814 of Bambu, G999 in a script that changes
 nozzles. No firmware's own code is as high."""
 
+_MOVES: Final = MOVES | MACHINE_MOVES
 _SETTINGS: Final = frozenset(("G10", "G20", "G21"))
 """Those among the moves that set something."""
 _SHOWN: Final = ("M0", "M1")
@@ -84,7 +84,7 @@ class PrinterExecutor(Executor):
         self.counts_minutes = self.dialect.name == "reprapfirmware"
         self.diameters: dict[int, float] = {}
         tools = self.control.tools
-        self._first_number = 1 if tools and 0 not in tools else 0
+        self.first_number = 1 if tools and 0 not in tools else 0
         self._limited = bool(run.settings.limits)
         self._mounted = -1
         self.first_origin = (0.0, 0.0, 0.0)
@@ -119,7 +119,7 @@ class PrinterExecutor(Executor):
         loaded = self.run.settings.loaded_tool
         known = [number for number in (loaded, 0, min(control.tools, default=0)) if number in control.tools]
         if known:
-            self.printer.tool = known[0] - self._first_number
+            self.printer.tool = known[0] - self.first_number
             self._put_in(known[0])
 
     def _halted(self) -> HaltedPrint:
@@ -144,7 +144,10 @@ class PrinterExecutor(Executor):
                     return
                 if self._own_codes and self._call_own_code(code, index, self.meta):
                     return
-            line = line_of(text) if self.meta is None or "{" not in text else self._filled(text, index, self.meta)
+            if self.meta is None or "{" not in text:
+                line = line_of(text, has_lists=self.meta is not None)
+            else:
+                line = self._filled(text, index, self.meta)
             if line.note and not line.name and not line.values and take_comment(line.note, self.printer):
                 control.out.append(canon.SectionStart(span=control.span, section=self.printer.section))
             self._check_sum(line)
@@ -165,7 +168,7 @@ class PrinterExecutor(Executor):
         """A line with its expressions computed; words are where they stand in the program."""
         made = filled(text, meta, index)
         try:
-            line = line_of(made.text)
+            line = line_of(made.text, has_lists=True)
         except Fault as fault:
             fault.at = made.place(fault.at) if type(fault.at) is tuple else fault.at
             raise
@@ -287,8 +290,8 @@ class PrinterExecutor(Executor):
             )
         if line.is_macro:
             self._macro(line)
-        elif name in MOVES:
-            MOVES[name](self, line)
+        elif name in _MOVES:
+            _MOVES[name](self, line)
         elif self._mapped(line):
             pass
         elif name in SYSTEMS and self.dialect.name == "reprapfirmware":
@@ -310,7 +313,7 @@ class PrinterExecutor(Executor):
             )
         else:
             self.skip(name, line)
-        if name not in MOVES or name in _SETTINGS:
+        if name not in _MOVES or name in _SETTINGS:
             remember(self.printer.said, line, self.printer.tool)
 
     def _pass_over_text(self, line: MarlinLine) -> None:
@@ -380,7 +383,7 @@ class PrinterExecutor(Executor):
         if index >= _NO_NOZZLE or (index < 0 and self.meta is None):
             self.skip(line.name, line)
             return
-        number = index + self._first_number
+        number = index + self.first_number
         if index >= 0 and self.settings.has_cell and number not in self.control.tools:
             self.control.tool_entry(number, "t")
         if self.meta is None:
@@ -414,7 +417,7 @@ class PrinterExecutor(Executor):
         if index < 0:
             return
         self.printer.tool = index
-        number = index + self._first_number
+        number = index + self.first_number
         if number != self._mounted:
             self._put_in(number)
 
@@ -440,7 +443,7 @@ class PrinterExecutor(Executor):
         own: Vector = control.from_si(control.spindle_tool.offset)
         if self.printer.tool not in self.printer.offsets:
             return own
-        first: Vector = control.from_si(control.tools.get(self._first_number, ToolEntry(number=0)).offset)
+        first: Vector = control.from_si(control.tools.get(self.first_number, ToolEntry(number=0)).offset)
         said = self.printer.offset_of(self.printer.tool)
         knows = not self.settings.has_cell
         ruled = [at - by if knows or at != mine else mine for at, by, mine in zip(first, said, own, strict=False)]

@@ -11,6 +11,7 @@ from gcodesim.rs274.fault import Fault
 
 _NUMBER: Final = r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)"
 _WORD: Final = re.compile(rf"[ \t]*(?:([A-Za-z])[ \t]*({_NUMBER})?|(\()|(\S|[\v\f]))", re.ASCII)
+_FURTHER: Final = re.compile(rf"(?:[ \t]*:[ \t]*{_NUMBER})+")
 _LINE_NUMBER: Final = re.compile(r"[ \t]*[Nn][ \t]*-?[0-9]+[ \t]*")
 _CHECKSUM: Final = re.compile(r"[ \t]*\*[ \t]*([0-9]+)[ \t]*$")
 _COMMAND: Final = re.compile(r"[ \t]*([GMTDgmtd])[ \t]*([0-9]+)(?:\.([0-9]+))?", re.ASCII)
@@ -40,6 +41,7 @@ class MarlinLine:
     places: dict[str, ColumnRange] = field(default_factory=dict)
     text: str = ""
     stray: ColumnRange | None = None
+    lists: dict[str, tuple[float, ...]] = field(default_factory=dict)
     settings: dict[str, str] = field(default_factory=dict)
     is_macro: bool = False
     code: str = ""
@@ -55,8 +57,8 @@ class MarlinLine:
         return any(letter in self.values for letter in letters)
 
 
-def line_of(text: str) -> MarlinLine:
-    """Read one line; a Fault where it is no line of such a program."""
+def line_of(text: str, *, has_lists: bool = False) -> MarlinLine:
+    """Read one line; a Fault where it is no line of such a program. `has_lists`: a letter may have several numbers."""
     line = MarlinLine()
     code, _, line.note = text.partition(";")
     line.code = code
@@ -75,11 +77,11 @@ def line_of(text: str) -> MarlinLine:
         if line.name in _TEXTS:
             line.text = code[found.end() :].strip()
         else:
-            _read_words(code, found.end(), line)
+            _read_words(code, found.end(), line, has_lists)
         return line
     if found := _NO_TOOL.match(code, at):
         line.place, line.name = (found.start(1), found.end()), "T-1"
-        _read_words(code, found.end(), line)
+        _read_words(code, found.end(), line, has_lists)
         return line
     if found := _MACRO.match(code, at):
         line.name, line.place, line.is_macro = found[1].upper(), found.span(1), True
@@ -87,7 +89,7 @@ def line_of(text: str) -> MarlinLine:
         line.settings = {name.upper(): value.strip('"') for name, value in _SETTING.findall(rest)}
         line.text = rest.strip()
         return line
-    _read_words(code, at, line)
+    _read_words(code, at, line, has_lists)
     return line
 
 
@@ -108,7 +110,7 @@ def _no_word(text: str, letter: str, place: ColumnRange) -> Fault:
     )
 
 
-def _read_words(code: str, at: int, line: MarlinLine) -> None:
+def _read_words(code: str, at: int, line: MarlinLine, has_lists: bool) -> None:
     stop = len(code.rstrip())
     while at < stop:
         found = _WORD.match(code, at)
@@ -125,5 +127,8 @@ def _read_words(code: str, at: int, line: MarlinLine) -> None:
             line.stray, line.text = (place[0], stop), code[place[0] : stop]
             return
         line.values[letter] = None if found[2] is None else float(found[2])
-        line.places[letter] = place
         at = found.end()
+        if has_lists and found[2] and (further := _FURTHER.match(code, at)) is not None:
+            at = further.end()
+            line.lists[letter] = (float(found[2]), *map(float, further[0].split(":")[1:]))
+        line.places[letter] = (place[0], at)

@@ -1,4 +1,4 @@
-"""Moves of a printer: G0 to G3 with E, retraction, homing, G92."""
+"""Moves of a printer: G0 to G3 with E, retraction, G92."""
 
 from __future__ import annotations
 
@@ -22,12 +22,14 @@ if TYPE_CHECKING:
 _AXES: Final = "xyz"
 _POINTS: Final = 6
 """Places that RepRapFirmware keeps for moves with R; 1 is that of a pause, 2 that of a change of tools."""
+_OTHER_AXES: Final = frozenset("abcduvw")
+"""Letters of axes beside X, Y and Z (Marlin AXIS4_NAME, RepRapFirmware M584); I, J and K belong to arcs."""
 _NO_BLOCK: Final = Block(line=0, text="", words=[])
 
 
 def move(do: PrinterExecutor, line: MarlinLine) -> None:
     """G0, G1: both go straight at F."""
-    end, filament = _ends(do, line)
+    end, filament = ends_of(do, line)
     state = do.control.state
     if end[:3] != state.current[:3]:
         do.control.out.append(
@@ -47,7 +49,7 @@ def move(do: PrinterExecutor, line: MarlinLine) -> None:
 
 def arc(do: PrinterExecutor, line: MarlinLine) -> None:
     """G2, G3: by I and J from the start, or by R; P counts full turns besides, as in Marlin."""
-    end, filament = _ends(do, line)
+    end, filament = ends_of(do, line)
     control = do.control
     values = {letter: value for letter, value in line.values.items() if letter in "xyzijkrp" and value is not None}
     turns = values.pop("p", 0.0)
@@ -108,9 +110,11 @@ def keep_point(do: PrinterExecutor, line: MarlinLine) -> None:
     do.printer.points[_kept_point(do, line, "s") if "s" in line.values else 0] = here(do)
 
 
-def _ends(do: PrinterExecutor, line: MarlinLine) -> tuple[Vector, float]:
-    """Where a move goes, and the filament [m] for it."""
+def ends_of(do: PrinterExecutor, line: MarlinLine) -> tuple[Vector, float]:
+    """Where a move goes, and the filament [m] for it; words of other axes are told."""
     state, printer = do.control.state, do.printer
+    for letter in of_other_axes(line):
+        do.control.skip(f"{line.name} {letter.upper()}", line.places[letter])
     ends = list(state.current)
     begin: tuple[float, ...] | None = state.current if state.incremental else None
     if "r" in line.values and line.name in ("G0", "G1") and do.dialect.name == "reprapfirmware":
@@ -126,11 +130,16 @@ def _ends(do: PrinterExecutor, line: MarlinLine) -> tuple[Vector, float]:
             printer.feed = feed
     filament = 0.0
     if "e" in line.values:
-        value = number(line, "e")
+        value = sum(line.lists.get("e", (number(line, "e"),)))  # of a tool that mixes
         step = value if printer.e_relative else value - printer.e
         printer.e = printer.e + value if printer.e_relative else value
         filament = printer.filament(step, state.unit)
     return tuple(ends), filament  # type: ignore[return-value]
+
+
+def of_other_axes(line: MarlinLine) -> list[str]:
+    """The letters of a line that belong to axes beside X, Y and Z."""
+    return [letter for letter in line.values if letter in _OTHER_AXES]
 
 
 def number(line: MarlinLine, letter: str) -> float:
@@ -198,7 +207,7 @@ def _set_tool(do: PrinterExecutor, line: MarlinLine) -> None:
         do.skip("G10 S", line)
     if line.has("xyz"):
         tool = line.get("p")
-        set_offset(do, line, do.printer.tool if tool is None else int(tool), sign=-1.0)
+        set_offset(do, line, do.printer.tool if tool is None else int(tool))
 
 
 def _set_system(do: PrinterExecutor, line: MarlinLine) -> None:
@@ -220,39 +229,17 @@ def choose_system(do: PrinterExecutor, line: MarlinLine) -> None:
     do.control.use_system(int(whole) - 53 + int(further or 0))
 
 
-def set_offset(do: PrinterExecutor, line: MarlinLine, tool: int, sign: float = 1.0) -> None:
-    """Where a nozzle is, seen from the first one [program units]."""
+def set_offset(do: PrinterExecutor, line: MarlinLine, tool: int) -> None:
+    """Where a nozzle is, seen from the first one [program units].
+
+    M218 of Marlin and G10 of RepRapFirmware count alike: there, the place that a program names is that of the head
+    plus the offset (GCodes.cpp, ToolOffsetInverseTransform).
+    """
     offset = list(do.printer.offset_of(tool))
     for axis, letter in enumerate(_AXES):
         if letter in line.values:
-            offset[axis] = sign * number(line, letter)
+            offset[axis] = number(line, letter)
     do.printer.offsets[tool] = tuple(offset)  # type: ignore[assignment]
-
-
-def home(do: PrinterExecutor, line: MarlinLine) -> None:
-    """G28: X and Y go to 0 first, then Z, so that the nozzle meets nothing on its way; shifts of G92 are forgotten.
-
-    0 is that of the work system that was active at the start, wherever the program has put others.
-    """
-    control = do.control
-    state = control.state
-    named = [letter in line.values for letter in _AXES]
-    if not any(named):
-        named = [True, True, True]
-    shift, there = list(state.g92), list(state.current)
-    for axis in range(3):
-        if named[axis]:
-            there[axis] += shift[axis]
-            shift[axis] = 0.0
-    state.g92, state.current = tuple(shift), tuple(there)  # type: ignore[assignment]
-    control.say_system()
-    for axes in ((0, 1), (2,)):
-        end = list(state.current)
-        for axis in axes:
-            if named[axis]:
-                end[axis] = do.first_origin[axis] / state.unit - state.origin[axis]
-        if tuple(end) != state.current:
-            control.rapid(tuple(end), "G28")  # type: ignore[arg-type]
 
 
 def set_position(do: PrinterExecutor, line: MarlinLine) -> None:
@@ -317,8 +304,6 @@ SYSTEMS: Final = ("G54", "G55", "G56", "G57", "G58", "G59", "G59.1", "G59.2", "G
 """Work systems of RepRapFirmware."""
 
 MOVES: Final[dict[str, Callable[[PrinterExecutor, MarlinLine], None]]] = {
-    "G0": move,
-    "G1": move,
     "G2": arc,
     "G3": arc,
     "G4": dwell,
@@ -329,7 +314,6 @@ MOVES: Final[dict[str, Callable[[PrinterExecutor, MarlinLine], None]]] = {
     "G19": _plane(190),
     "G20": _unit(INCH),
     "G21": _unit(MM),
-    "G28": home,
     "G90": _distance(False),
     "G91": _distance(True),
     "G60": keep_point,

@@ -34,16 +34,16 @@ class PrinterFile(ProgramFile):
         text = self.lines[index]
         if self._is_as_written(text):
             return text
-        line = line_of(text)
-        said = (line.name, line.values, line.text, line.settings, line.is_macro)
+        line = line_of(text, has_lists=self.has_expressions)
+        said = (line.name, line.values, line.lists, line.text, line.settings, line.is_macro)
         return said, line.note.strip(), line.number, line.checksum
 
     def tokens(self, index: int) -> list[Token]:
         text = self.lines[index]
         if self._is_as_written(text):
             return [Token(VERBATIM, text, (0, len(text)))]
-        line = line_of(text)
-        if line.checksum is not None:  # it counts every character
+        line = line_of(text, has_lists=self.has_expressions)
+        if line.checksum is not None or line.lists:  # a checksum counts every character
             return [Token(VERBATIM, text, (0, len(text)))]
         code = text.partition(";")[0]
         found = list(_words(text, line))

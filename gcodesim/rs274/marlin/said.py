@@ -54,8 +54,14 @@ def remember(said: dict[Key, str], line: MarlinLine, tool: int) -> None:
     letters = frozenset() if group in _SWITCHES else frozenset((*line.values, *named))
     key = (group, letters, index)
     said.pop(key, None)
-    words = " ".join(f"{letter.upper()}{value:.6f}".rstrip("0").rstrip(".") for letter, value in values.items())
+    words = " ".join(
+        letter.upper() + ":".join(map(_shown, line.lists.get(letter, (value,)))) for letter, value in values.items()
+    )
     if group in HEATERS:
         said[key] = words
     else:
         said[key] = f"{line.name} {line.text if line.is_macro else words}".strip()
+
+
+def _shown(value: float) -> str:
+    return f"{value:.6f}".rstrip("0").rstrip(".")

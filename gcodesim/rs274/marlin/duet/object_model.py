@@ -163,7 +163,7 @@ def _extruder_limit(name: str, scale: float) -> Callable[[ObjectModel, int], Val
 
 
 def _nozzle_offset(do: ObjectModel, tool: int) -> Value:
-    return tuple(-float(value) * do.unit for value in do.printer.offset_of(do.tool(tool))[:3])
+    return tuple(float(value) * do.unit for value in do.printer.offset_of(do.tool(tool))[:3])
 
 
 def _machine_position(do: ObjectModel) -> list[float]:

@@ -12,6 +12,7 @@ from gcodesim.rs274.marlin.line import MarlinLine
 _XYZ: Final = "xyz"
 _FULL: Final = 255.0
 _RANGE: Final = re.compile(r"([XYZxyz])[ \t]*([-+]?[0-9.]+)(?:[ \t]*:[ \t]*([-+]?[0-9.]+))?")
+_PROBE: Final = re.compile(r"([HFhf])[ \t]*([0-9]+\.?[0-9]*)")
 _STATES: Final = {0.0: "off", 1.0: "standby", 2.0: "active"}  # M568 A
 
 
@@ -21,7 +22,8 @@ class SaidToMachine:
 
     `limits` are the ends of the travel (M208). `active` and `standby` are temperatures to be kept, `reached` the
     heaters that were waited for since theirs was set, `on` what each is doing where that is certain. `cold` are the
-    temperatures below which nothing is extruded or retracted. Unless the program says otherwise (M140 H, M563), heater
+    temperatures below which nothing is extruded or retracted. A probe comes down from `dive_height` at `probe_speed`
+    [mm/min] (M558); at first they are those of the firmware. Unless the program says otherwise (M140 H, M563), heater
     0 is the bed's, and tool 0 has heater 1, as in the firmware's own configurations.
     """
 
@@ -33,6 +35,8 @@ class SaidToMachine:
     reached: set[int] = field(default_factory=set)
     on: dict[int, str] = field(default_factory=dict)
     cold: tuple[float, float] = (160.0, 90.0)
+    dive_height: float = 5.0
+    probe_speed: float = 120.0
     bed: int = 0
     heaters: dict[int, int] = field(default_factory=dict)
     fans: dict[int, float] = field(default_factory=dict)
@@ -84,6 +88,27 @@ def _home(said: SaidToMachine, line: MarlinLine) -> None:
 def _set_position(said: SaidToMachine, line: MarlinLine) -> None:
     """G92: an axis whose place is said counts as homed."""
     said.homed.update(_axes(line) if line.values else range(3))
+
+
+def _to_end(said: SaidToMachine, line: MarlinLine) -> None:
+    """G0 or G1 with H1: the axes that are named are homed."""
+    if line.get("h") == 1.0:
+        said.homed.update(_axes(line))
+
+
+def _single_probe(said: SaidToMachine, line: MarlinLine) -> None:
+    """G30 alone homes Z."""
+    if not line.values:
+        said.homed.add(2)
+
+
+def _z_probe(said: SaidToMachine, line: MarlinLine) -> None:
+    """M558: H is the dive height, F the speed; of `H5:2` and `F600:120` the first counts."""
+    for letter, value in _PROBE.findall(line.code):
+        if letter in "Hh":
+            said.dive_height = float(value)
+        elif float(value) > 0.0:
+            said.probe_speed = float(value)
 
 
 def _motors_off(said: SaidToMachine, line: MarlinLine) -> None:
@@ -180,8 +205,11 @@ def _fan(said: SaidToMachine, line: MarlinLine) -> None:
 
 
 _HEARD: Final[dict[str, Act]] = {
+    "G0": _to_end,
+    "G1": _to_end,
     "G10": _tool_temperatures,
     "G28": _home,
+    "G30": _single_probe,
     "G92": _set_position,
     "M18": _motors_off,
     "M84": _motors_off,
@@ -195,6 +223,7 @@ _HEARD: Final[dict[str, Act]] = {
     "M208": _limits,
     "M290": _babysteps,
     "M302": _cold,
+    "M558": _z_probe,
     "M563": _define_tool,
     "M568": _tool_temperatures,
 }
