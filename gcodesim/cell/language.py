@@ -96,6 +96,7 @@ def settings_of_cell(
         m_codes=_actions(cell, channel),
         wired=_wired(cell, channel),
         has_cell=True,
+        unplaced=placement.automatic,
         turns=is_lathe(cell.machine_of(channel)),
         unturned=frozenset(n for n, tool in cell.tools.items() if not _turns(tool)),
         tool_length=own.tool_length,

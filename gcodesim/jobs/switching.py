@@ -28,7 +28,7 @@ _HINT = "the cell says what switches it: `m_codes` (`tool: activate`) or `signal
 
 
 @frozen(eq=False)
-class _Switched:
+class SwitchedTool:
     """A tool with a process that is switched, in the rows `held` (n,) in which it is in use; `on` (n,) by the words."""
 
     tool: Tool
@@ -42,6 +42,12 @@ def switching_findings(path: ToolPath, shop: Shop) -> Iterator[Diagnostic]:
     if not len(path):
         return
     yield from _out_of_range(path, shop)
+    for switched in switched_tools(path, shop):
+        yield from _of_tool(path, shop, switched)
+
+
+def switched_tools(path: ToolPath, shop: Shop) -> Iterator[SwitchedTool]:
+    """The tools in use along a path that words of the program switch; one that prints by E words is not among them."""
     signals: dict[str, NDArray[Any]] | None = None
     for number, tool in sorted(shop.cell.tools.items()):
         held = np.array([state.tool == number for state in path.states])[path.state]
@@ -53,7 +59,7 @@ def switching_findings(path: ToolPath, shop: Shop) -> Iterator[Diagnostic]:
                 signals = signals_of_rows(path, shop.signal_sources, shop.signals, mode)
             on = PROCESSES[kind].is_on(_of_process(PROCESSES[kind], signals, len(path)), tool)
             if on is not None:
-                yield from _of_tool(path, shop, _Switched(tool=tool, process=PROCESSES[kind], held=held, on=on))
+                yield SwitchedTool(tool=tool, process=PROCESSES[kind], held=held, on=on)
 
 
 def _of_process(process: type[Process], signals: Mapping[str, NDArray[Any]], n: int) -> dict[str, NDArray[Any]]:
@@ -61,7 +67,7 @@ def _of_process(process: type[Process], signals: Mapping[str, NDArray[Any]], n: 
     return {s.name: signals.get(s.name, np.full(n, s.default)) for s in process.reads}
 
 
-def _of_tool(path: ToolPath, shop: Shop, switched: _Switched) -> Iterator[Diagnostic]:
+def _of_tool(path: ToolPath, shop: Shop, switched: SwitchedTool) -> Iterator[Diagnostic]:
     tool, held, on = switched.tool, switched.held, switched.on
     lit, moves = held & on, path.length > 0.0
     work = {"stock": shop.cell.stocks, "surface": shop.cell.coats}.get(switched.process.acts_on, {})

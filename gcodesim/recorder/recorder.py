@@ -23,6 +23,7 @@ from gcodesim.jobs.job import BULLET
 from gcodesim.jobs.pace import log_period_ns
 from gcodesim.jobs.results import Results
 from gcodesim.log import (
+    DrawnShape,
     Entity,
     LogDescription,
     LogWriter,
@@ -45,6 +46,7 @@ from gcodesim.recorder.instants import Instants
 from gcodesim.recorder.limits import JointLimits
 from gcodesim.recorder.look import layout_kind, view_of
 from gcodesim.recorder.loose import LoosePieces
+from gcodesim.recorder.plumes import Plumes, plume_shapes
 from gcodesim.recorder.pose_kernels import bend, compare
 from gcodesim.recorder.reporter import Reporter
 from gcodesim.recorder.result_files import write_files
@@ -140,6 +142,7 @@ class Recorder:
         self._now_ns = 0
         self._tool = -1
         self._fingers = (-1, 1.0)
+        self._plumes = Plumes(self._shop, self._plan.path, self._plan.trajectory.duration_ns)
         self._is_first = not prefix
         together = [] if job.alone else [job, *job.others]
         self._tool_times = [ToolTimes.of(each, self._step_ns) for each in together if each.plan is not None]
@@ -306,6 +309,7 @@ class Recorder:
         self._texts.until(int(ends[-1]))
         self._changes_of_tool(self._now_ns, int(ends[-1]), window)
         self._moves_of_fingers(record, ends, logged)
+        self._switches(record, ends, logged)
         self._moves_of_pieces(record, int(ends[-1]))
         self._write(record, ends[logged], logged)
         self._now_ns = int(ends[-1])
@@ -335,6 +339,7 @@ class Recorder:
         self._plan = plan
         self._systems = work_systems(self._shop, plan.path)
         self._speeds = np.array([state.spindle for state in plan.path.states])
+        self._plumes.follow(plan.path)
         self._ways = self._ways.followed_by(Ways.of(plan, self._shop, rows))
         frame = self._frames.path_frame
         self._blocks = Blocks.of(plan, self._shop, self._job.sources, self._ways, frame)
@@ -396,12 +401,13 @@ class Recorder:
         name = "no tool" if self._tool == 0 else tool.name if tool is not None else f"T{self._tool}"
         self._writer.event(t_ns, "toolchange", name, file=file, line=line)
 
-    def _draw_tool(self, t_ns: int, tool: Tool | None, opening: float = 1.0) -> None:
+    def _draw_tool(self, t_ns: int, tool: Tool | None, opening: float = 1.0, plume: Sequence[DrawnShape] = ()) -> None:
         """Draw the tool in the spindle; the first channel also draws those that wait in stands, for all machines."""
         waiting = []
         if self._is_first:
-            waiting = tools_in_stands(self._shop, {self._tool, *(times.at(t_ns)[0] for times in self._tool_times[1:])})
-        self._writer.tool(t_ns, tool_shapes(tool, opening), self._frames.tool, waiting)
+            in_use = self._tool if tool is None else tool.number
+            waiting = tools_in_stands(self._shop, {in_use, *(times.at(t_ns)[0] for times in self._tool_times[1:])})
+        self._writer.tool(t_ns, (*tool_shapes(tool, opening), *plume), self._frames.tool, waiting)
 
     def _moves_of_fingers(self, record: StepRecord, ends: Any, logged: Any) -> None:
         """Draw a gripper anew when its fingers stand elsewhere than in the instant before."""
@@ -416,6 +422,15 @@ class Recorder:
                 self._fingers = (tool.number, opening)
                 if tool.number == self._tool:
                     self._draw_tool(int(ends[k]), tool, opening)
+
+    def _switches(self, record: StepRecord, ends: Any, logged: Any) -> None:
+        """Draw a tool anew when it is switched on or off; one that is taken is drawn as if it were off."""
+        window = record.window
+        for k, is_on in self._plumes.changes(window.row[logged], window.tool[logged], ends[logged]):
+            number = int(window.tool[logged[k]])
+            if number == self._tool or not self._tool_times:  # it may have been changed since then
+                tool = self._shop.tool(number)
+                self._draw_tool(int(ends[logged[k]]), tool, plume=plume_shapes(tool) if is_on else ())
 
     def _moves_of_pieces(self, record: StepRecord, t_ns: int) -> None:
         """Draw pieces of stocks on their way down; those that further channels free are taken as they come, too."""

@@ -42,6 +42,7 @@ class Settings:
     without G43 its length counts from there on.
     `answered`: whoever iterates the run answers each `canon.ProbeMove` and
     `canon.Input`; else a probe trips at the end of its move and inputs read 0.
+    `unplaced`: nobody has said where the work is; a printer then is taken to be homed before its first move.
     `start` [m, rad] is where the axes stand before the first block; with `joint_home` that is also where all of them
     go together (G28, G30) as long as no home was stored.
     `options` are settings that one kind of control alone has, as its dialect declares them
@@ -76,6 +77,7 @@ class Settings:
     turns: bool = False
     unturned: frozenset[int] = frozenset()
     answered: bool = False
+    unplaced: bool = False
     start: Axes = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     joint_home: bool = False
     tool_length: Literal["auto", "strict"] = "auto"

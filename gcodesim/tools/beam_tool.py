@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 from gcodesim.declarations.keys import key
 from gcodesim.frozen import frozen
 from gcodesim.tools.body import Primitive, cone, cylinder
@@ -11,6 +13,9 @@ from gcodesim.units import MM
 SLIMMEST = 1.0 * MM
 """Radius of the nozzle's mouth, at least: it is for drawing and collisions only."""
 
+THINNEST = 0.3 * MM
+"""Radius of a beam as it is drawn, at least."""
+
 
 @frozen
 class BeamTool(Tool):
@@ -19,6 +24,9 @@ class BeamTool(Tool):
     The nozzle ends `stand_off` before the tip. Whoever programs the height of the nozzle says `stand_off: 0` and
     gives the distance as `focus`.
     """
+
+    gives_off: ClassVar[str] = "light"
+    """The part that is drawn while it is on."""
 
     diameter: float = key("length", "diameter of the beam where it is meant to strike", example="0.2 mm")
     stand_off: float = key("length", "from the nozzle to the tip, the point that the program moves", default=5.0 * MM)
@@ -39,6 +47,13 @@ class BeamTool(Tool):
         height = begin + 0.3 * (self.length - begin)
         bodies = (cone("nozzle", mouth, barrel, begin, height), cylinder("nozzle", barrel, height, self.length))
         return (*bodies, *self._holder_bodies())
+
+    @property
+    def plume(self) -> tuple[Primitive, ...]:
+        """From the nozzle to where it is meant to strike, wide enough to be seen."""
+        if self.stand_off + self.focus <= 0.0:
+            return ()
+        return (cylinder(self.gives_off, max(0.5 * self.diameter, THINNEST), -self.focus, self.stand_off),)
 
     def problems(self) -> list[tuple[str, str]]:
         found = Tool.problems(self)

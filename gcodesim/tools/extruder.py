@@ -5,12 +5,13 @@ from __future__ import annotations
 from math import pi
 from typing import ClassVar
 
+from gcodesim.arithmetic.scalars import tan
 from gcodesim.declarations.keys import key
 from gcodesim.declarations.kind import NOT_NEGATIVE, POSITIVE, Range
 from gcodesim.declarations.plain_kinds import Whole
 from gcodesim.declarations.quantity import Quantity
 from gcodesim.frozen import frozen
-from gcodesim.tools.body import Primitive, cone, cylinder
+from gcodesim.tools.body import Primitive, cone, cylinder, sphere
 from gcodesim.tools.paste import WITHOUT_DATA, Paste
 from gcodesim.tools.tool import Tool
 from gcodesim.units import MM
@@ -81,6 +82,15 @@ class Extruder(Tool):
         height = min(0.3 * self.length, 2.0 * barrel)
         bodies = (cone("nozzle", mouth, barrel, 0.0, height), cylinder("nozzle", barrel, height, self.length))
         return (*bodies, *self._holder_bodies())
+
+    @property
+    def plume(self) -> tuple[Primitive, ...]:
+        """A drop as wide as the bead at the mouth of the nozzle, or the cone of particles that it throws."""
+        mouth = 0.5 * self.bead_width
+        if self.rays is None:
+            return (sphere("strand", mouth, -mouth),)
+        wide = mouth + self.rays.distance * tan(0.5 * self.rays.angle)
+        return (cone("spray", wide, mouth, -self.rays.distance, 0.0),)
 
     def problems(self) -> list[tuple[str, str]]:
         found = Tool.problems(self)

@@ -21,6 +21,7 @@ class Jet(BeamTool):
 
     kind: ClassVar[str] = "jet"
     process: ClassVar[str] = "erosion"
+    gives_off: ClassVar[str] = "stream"
 
     removal_rate: float = key(
         Quantity("volume flow", POSITIVE), "what it takes of the stock's material at full flow", example="8 mm^3/s"

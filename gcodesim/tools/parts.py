@@ -56,6 +56,12 @@ FINGER: Final = BodyPart(
 CUP: Final = BodyPart(words="the cup", color=(0.15, 0.15, 0.17, 1.0), hint="keep more distance", acts=True)
 GRIPPER: Final = BodyPart(words="the gripper", color=(0.55, 0.58, 0.62, 1.0))
 
+SPRAY: Final = BodyPart(words="the spray", color=(0.35, 0.55, 0.95, 0.35))
+LIGHT: Final = BodyPart(words="the beam", color=(1.0, 0.2, 0.1, 0.8))
+FLAME: Final = BodyPart(words="the arc", color=(0.55, 0.8, 1.0, 0.85))
+STREAM: Final = BodyPart(words="the stream", color=(0.45, 0.7, 0.95, 0.6))
+STRAND: Final = BodyPart(words="the strand", color=(0.95, 0.5, 0.1, 0.9))
+
 PARTS = Family(
     "parts",
     of="gcodesim.tools.parts:BodyPart",
@@ -68,6 +74,11 @@ PARTS = Family(
     finger="gcodesim.tools.parts:FINGER",
     cup="gcodesim.tools.parts:CUP",
     gripper="gcodesim.tools.parts:GRIPPER",
+    spray="gcodesim.tools.parts:SPRAY",
+    light="gcodesim.tools.parts:LIGHT",
+    flame="gcodesim.tools.parts:FLAME",
+    stream="gcodesim.tools.parts:STREAM",
+    strand="gcodesim.tools.parts:STRAND",
 )
 
 

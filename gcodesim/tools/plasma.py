@@ -21,6 +21,7 @@ class Plasma(HeatBeam):
 
     kind: ClassVar[str] = "plasma"
     process: ClassVar[str] = "ablation"
+    gives_off: ClassVar[str] = "flame"
 
     power: float = key(Quantity("power", POSITIVE), "power of the arc, current times voltage", example="5 kW")
     efficiency: float = key(

@@ -17,6 +17,7 @@ class SandBlaster(Jet):
 
     kind: ClassVar[str] = "sand_blaster"
     process: ClassVar[str] = "erosion"
+    gives_off: ClassVar[str] = "spray"
 
     profile: Literal["flat", "top_hat", "gaussian"] = key(
         Choice(("flat", "top_hat", "gaussian")), "how the grains spread over the spot", default="gaussian"

@@ -5,7 +5,7 @@ from __future__ import annotations
 from itertools import pairwise
 from typing import ClassVar, Final
 
-from gcodesim.arithmetic.scalars import atan
+from gcodesim.arithmetic.scalars import atan, tan
 from gcodesim.declarations.composed import ListOf
 from gcodesim.declarations.keys import key
 from gcodesim.declarations.kind import Range
@@ -93,6 +93,12 @@ class SprayGun(Tool):
         height = min(0.3 * self.length, 2.0 * cap)
         bodies = (cone("nozzle", 0.4 * cap, cap, 0.0, height), cylinder("nozzle", cap, height, self.length))
         return (*bodies, *self._holder_bodies())
+
+    @property
+    def plume(self) -> tuple[Primitive, ...]:
+        """The cone up to the surface for which the gun is set; of two angles the wider one."""
+        mouth, wide = 0.2 * self.nozzle_diameter, self.distance * tan(0.5 * max(self.cone))
+        return (cone("spray", max(mouth, wide), mouth, -self.distance, 0.0),)
 
     def problems(self) -> list[tuple[str, str]]:
         found = Tool.problems(self)

@@ -133,6 +133,11 @@ class Tool:
         return self._holder_bodies()
 
     @property
+    def plume(self) -> tuple[Primitive, ...]:
+        """What it gives off beyond its tip while it is switched on, for drawing only; most tools show nothing."""
+        return ()
+
+    @property
     def round_parts(self) -> tuple[Primitive, ...]:
         """Those of its simple bodies that are there: of a tool with a body of its own, what touches the work."""
         return tuple(part for part in self.primitives if self._is_there(part.part))

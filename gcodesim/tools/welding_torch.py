@@ -9,7 +9,7 @@ from gcodesim.declarations.keys import key
 from gcodesim.declarations.kind import POSITIVE, Range
 from gcodesim.declarations.quantity import Quantity
 from gcodesim.frozen import frozen
-from gcodesim.tools.body import Primitive, cone, cylinder
+from gcodesim.tools.body import Primitive, cone, cylinder, sphere
 from gcodesim.tools.tool import Tool
 from gcodesim.units import MM
 
@@ -58,6 +58,11 @@ class WeldingTorch(Tool):
         tip = (cone("nozzle", wire, 0.8 * cup, 0.0, out), cone("nozzle", 0.8 * cup, cup, out, height))
         bodies = (*tip, cylinder("nozzle", cup, height, self.length))
         return (*bodies, *self._holder_bodies())
+
+    @property
+    def plume(self) -> tuple[Primitive, ...]:
+        """The arc at the end of the wire."""
+        return (sphere("flame", 2.0 * self.wire_diameter, -2.0 * self.wire_diameter),)
 
     def problems(self) -> list[tuple[str, str]]:
         found = Tool.problems(self)

@@ -29,7 +29,7 @@ from gcodesim.rs274.marlin.duet.tool_change import ChangeStep, steps_of
 from gcodesim.rs274.marlin.halted_print import HaltedPrint
 from gcodesim.rs274.marlin.limits import first_limits, first_retraction
 from gcodesim.rs274.marlin.line import MarlinLine, line_of
-from gcodesim.rs274.marlin.machine_moves import MACHINE_MOVES
+from gcodesim.rs274.marlin.machine_moves import MACHINE_MOVES, home
 from gcodesim.rs274.marlin.macros import MACROS
 from gcodesim.rs274.marlin.moves import MOVES, SYSTEMS, change_unit, choose_system, here
 from gcodesim.rs274.marlin.printer import Printer
@@ -53,6 +53,8 @@ _OWN_G: Final = 600
 nozzles. No firmware's own code is as high."""
 
 _MOVES: Final = MOVES | MACHINE_MOVES
+_GOES: Final = frozenset(("G0", "G1", "G2", "G3", "G28", "G30", "G53"))
+"""Those that move the head."""
 _SETTINGS: Final = frozenset(("G10", "G20", "G21"))
 """Those among the moves that set something."""
 _SHOWN: Final = ("M0", "M1")
@@ -86,6 +88,7 @@ class PrinterExecutor(Executor):
         tools = self.control.tools
         self.first_number = 1 if tools and 0 not in tools else 0
         self._limited = bool(run.settings.limits)
+        self.homes_first = run.settings.unplaced
         self._mounted = -1
         self.first_origin = (0.0, 0.0, 0.0)
 
@@ -291,6 +294,8 @@ class PrinterExecutor(Executor):
         if line.is_macro:
             self._macro(line)
         elif name in _MOVES:
+            if self.homes_first and name in _GOES:
+                self._home_first(name)
             _MOVES[name](self, line)
         elif self._mapped(line):
             pass
@@ -315,6 +320,12 @@ class PrinterExecutor(Executor):
             self.skip(name, line)
         if name not in _MOVES or name in _SETTINGS:
             remember(self.printer.said, line, self.printer.tool)
+
+    def _home_first(self, name: str) -> None:
+        """Home before the first move: printers do so, and where the work is at no place of its own, none is better."""
+        self.homes_first = False
+        if name != "G28":
+            home(self, MarlinLine(name="G28"))
 
     def _pass_over_text(self, line: MarlinLine) -> None:
         """GS194: text where a code that is simulated has words; firmware reads on without it."""

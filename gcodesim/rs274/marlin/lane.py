@@ -55,8 +55,8 @@ class PrinterLane:
         self._rows = at.PrintRows(np.empty((MOST_ROWS, at.VALUES)), np.empty((MOST_ROWS, at.FACTS), dtype=np.int32))
 
     def is_open(self) -> bool:
-        """Whether the line at hand may be tried: a turned work system is left to the other lane."""
-        return not self._do.control.state.rotation
+        """Whether the line at hand may be tried: a turned work system is left to the other lane, as is homing first."""
+        return not self._do.control.state.rotation and not self._do.homes_first
 
     def run(self, block: int, most: int) -> tuple[int, MoveBatch | None, tuple[ProgramFile, int]]:
         """Carry out at most `most` lines from the one at hand on, as far as the kernels know them.
