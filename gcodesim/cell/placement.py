@@ -29,6 +29,7 @@ from gcodesim.cell.stock import StockShape
 from gcodesim.diagnostics import Diagnostic, Severity
 from gcodesim.frames import Array, Pose
 from gcodesim.frozen import frozen
+from gcodesim.rs274.dialects import DIALECTS
 from gcodesim.rs274.dialects.systems import first_of_system
 from gcodesim.solids import Box, Cylinder
 from gcodesim.units import DEG, MM
@@ -40,6 +41,7 @@ FIXTURE: Final = "fixture"
 PART: Final = "part"
 SENSOR: Final = "sensor"
 DEVICE: Final = "device"
+UNDER_BED: Final = 0.01  # m by which the longest tool could go below the top of a bed
 CLEARANCE: Final = 0.1  # m by which the longest tool clears the stock's top, at the top of Z
 CHUCK_FACE: Final = 0.08  # m from the nose of a lathe's spindle to the end of stock without a place
 _UPRIGHT: Final = 1e-9  # Z axes whose dot product is nearer to 1 than this count as parallel
@@ -139,7 +141,10 @@ def place(cell: Cell, channel: str = MAIN) -> Placement:
     waiting = {name: stock for name, stock in cell.stocks.items() if stock.place.frame is None}
     automatic = bool(mover.axes and waiting) and not own.work_offsets
     if automatic:
-        offsets[1], note = (_before_chuck if is_lathe(mover) else _automatic)(cell, mover)
+        if is_lathe(mover):
+            offsets[1], note = _before_chuck(cell, mover)
+        else:
+            offsets[1], note = _automatic(cell, mover, is_bed=DIALECTS[own.dialect].prints)
         findings.append(note)
     elif mover.axes and not own.work_offsets:
         findings += _at_machine_zero(cell)
@@ -294,13 +299,17 @@ def _before_chuck(cell: Cell, machine: MachineTool | Robot) -> tuple[Pose, Diagn
     return Pose(p, np.eye(3)), note
 
 
-def _automatic(cell: Cell, machine: MachineTool | Robot) -> tuple[Pose, Diagnostic]:
-    """G54 for stock without a place: its middle at mid-travel in X and Y, its top in reach of the longest tool."""
+def _automatic(cell: Cell, machine: MachineTool | Robot, *, is_bed: bool) -> tuple[Pose, Diagnostic]:
+    """G54 for stock without a place: its middle at mid-travel in X and Y, its top in reach of the longest tool.
+
+    A bed that is printed on is as low as the tool reaches, so that the print may be as high as the travel.
+    """
     cloud = _corners_without_place(cell)
     low, high = cloud.min(axis=0), cloud.max(axis=0)
     x, y, z = (machine.axis(letter) for letter in "XYZ")
     longest = max((tool.true_length for tool in cell.tools.values()), default=0.0)
-    above = CLEARANCE if z is None else min(CLEARANCE, 0.5 * (z.upper - z.lower))
+    travel = 2.0 * CLEARANCE if z is None else z.upper - z.lower
+    above = max(travel - UNDER_BED, 0.5 * travel) if is_bed else min(CLEARANCE, 0.5 * travel)
     top = (0.0 if z is None else z.upper) - longest - above
     p = np.array(
         [

@@ -40,6 +40,16 @@ def test_the_way_begins_at_the_bed(first):
     assert path.start[-1][:3] - path.end[-1][:3] == pytest.approx([-0.045, 0.0, 0.0])
 
 
+def test_a_print_may_be_as_high_as_the_machine_goes():
+    """The bed that nobody has placed is nearly as low as the nozzle reaches."""
+    program = "G28\nM83\nG1 Z-5 F1200\nG1 Z{} F1200\nG1 X50 F1200\n"
+    high, _ = results_of(program.format(380))
+    too_high, _ = results_of(program.format(395))
+
+    assert "GS201" not in {finding.code for finding in high.findings}
+    assert "GS201" in {finding.code for finding in too_high.findings}
+
+
 def test_whoever_says_where_the_bed_is_says_where_the_head_begins():
     placed = CELL + "work_offsets: {G54: {xyz: [400, 300, -200]}}\n"
     job, _ = results_of("M83\nG1 X5 F1200\n", placed)
