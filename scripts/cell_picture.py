@@ -43,14 +43,15 @@ def drawings_at(recording: Recording, t_ns: int, *, paths: bool) -> list[Drawing
 
 
 def parts_of(recording: Recording, t_ns: int, *, paths: bool) -> Iterator[tuple[str, Array, Array]]:
-    """Shapes in the world: `triangles` or `lines` (n, 3 or 2, 3), and their colour from 0 to 255."""
+    """Shapes in the world: `triangles`, `clear` triangles or `lines` (n, 3 or 2, 3), and their colour from 0 to 255."""
     frames = recording.frames()
     for drawing in drawings_at(recording, t_ns, paths=paths):
         X = frames.at(drawing.frame, t_ns)
         for shape in drawing.shapes:
             skin = skin_of(shape)
             if len(skin.triangles):
-                yield "triangles", _moved(skin.points, X)[skin.triangles], 255.0 * np.array(skin.color[:3])
+                kind = "triangles" if skin.color[3] == 1.0 else "clear"
+                yield kind, _moved(skin.points, X)[skin.triangles], 255.0 * np.array(skin.color[:3])
         for lines in drawing.lines:
             if len(lines.segments):
                 yield "lines", _moved(lines.points, X)[lines.segments], 255.0 * np.array(lines.color[:3])
@@ -106,6 +107,7 @@ def main() -> None:
         parser.error(f"the run ends at {recording.end_ns * 1e-9:.3f} s")
     shapes = list(parts_of(recording, t_ns, paths=said.paths))
     solid = [(points, color.astype(np.uint8)) for kind, points, color in shapes if kind == "triangles"]
+    clear = [(points, color.astype(np.uint8)) for kind, points, color in shapes if kind == "clear"]
     lines = [(points, color.astype(np.uint8)) for kind, points, color in shapes if kind == "lines"]
     if said.trail:
         points, color = trail_of(recording, t_ns)
@@ -120,8 +122,11 @@ def main() -> None:
     if said.span is not None:
         eye = target + 0.5 * said.span / tan(0.5 * VIEW) * back
     optics = Optics.of_view(FINER * said.width, FINER * said.height, VIEW)
-    sharp = optics.exposure(looking(eye, target, (0.0, 0.0, 1.0)), Scenery.of(solid, lines)).picture()
-    coarse = sharp.reshape(said.height, FINER, said.width, FINER, 3).astype(float).mean(axis=(1, 3))
+    camera = looking(eye, target, (0.0, 0.0, 1.0))
+    sharp = optics.exposure(camera, Scenery.of(solid, lines)).picture().astype(float)
+    if clear:  # what one sees through, half
+        sharp = 0.5 * (sharp + optics.exposure(camera, Scenery.of([*solid, *clear], lines)).picture())
+    coarse = sharp.reshape(said.height, FINER, said.width, FINER, 3).mean(axis=(1, 3))
     said.png.write_bytes(png_of(np.rint(coarse).astype(np.uint8)))
 
 

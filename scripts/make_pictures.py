@@ -59,7 +59,7 @@ GALLERY = {
     "agv.png": Shot("agv", 4.5, "--turn 110"),
     "bushing.png": Shot("bushing", 33.0, "--target 0 0 0.17 --span 0.35 --turn -25 --tilt 15"),
     "concrete_wall.png": Shot("concrete_wall", 104.0, "--target 0.63 0 0.24 --span 0.85 --turn 60 --tilt 25"),
-    "cut_and_blast.png": Shot("cut_and_blast", 4.8, "--target 0.425 0.28 -0.27 --span 0.22"),
+    "cut_and_blast.png": Shot("cut_and_blast", 6.5, "--target 0.425 0.28 -0.27 --span 0.22"),
     "cutters.png": Shot("cutters", 125.0, "--target 0.5 0.36 -0.3 --span 0.36 --tilt 35"),
     "face_contour.png": Shot("face_contour", 45.0, "--target 0 0 0.13 --span 0.2 --turn -25 --tilt 30"),
     "flange.png": Shot("flange", None, "--target 0.4 0.3 -0.27 --span 0.3"),
