@@ -33,6 +33,9 @@ if TYPE_CHECKING:
     from gcodesim.executor.loose_bodies import LooseBodies
     from gcodesim.planning import Plan
 
+Onward = Callable[[RunHalt], "Sequence[Plan] | None"]
+"""The plans of all channels with their next legs, from where the run stands; None: there are no further ones."""
+
 MANY_TICKS: Final = 1 << 31
 """More than a run has: nobody wants to look at the stocks before a window is full."""
 
@@ -60,7 +63,14 @@ def execute(
     """
     brought = TrackPlan(plan=plan, shop=shop, inspect=inspect, watcher=watcher)
     pacing = pacing or Pacing(dt_ns=dt_ns)
-    return execute_together([brought], world_name=world_name, pacing=pacing, progress=progress, onward=onward)
+    further: Onward | None = None
+    if onward is not None:
+
+        def further(halt: RunHalt) -> Sequence[Plan] | None:
+            plan = onward(halt)
+            return None if plan is None else (plan,)
+
+    return execute_together([brought], world_name=world_name, pacing=pacing, progress=progress, onward=further)
 
 
 def execute_together(
@@ -69,13 +79,13 @@ def execute_together(
     world_name: str,
     pacing: Pacing,
     progress: Callable[[Progress], None] | None = None,
-    onward: Callable[[RunHalt], Plan | None] | None = None,
+    onward: Onward | None = None,
 ) -> Execution:
     """Run the plans of several channels at once, all until the last of them ends; the first one looks at the stocks.
 
     Everything else is as in `execute`. Cuts go by steps, then in the order of the channels, so no number depends on
-    which thread is faster. `onward` is for a run of one channel. The result is that of the first channel and has the
-    others.
+    which thread is faster. `onward` gives the plans of all channels, whose next legs begin together. The result is that
+    of the first channel and has the others.
     """
     passes = passes_of(channels[0].shop)
     dt_ns = pacing.dt_ns
@@ -133,12 +143,12 @@ def execute_together(
                 if progress is not None:
                     row = first_track.last_row
                     progress(Progress(step=track.done, steps=planned, time=track.done * dt_ns * 1e-9, row=row))
-            plan = onward(_halt(first_track, things, record)) if onward is not None else None
-            leg = plan is not None
-            if plan is not None:
-                if watcher is not None:
-                    behind.do(partial(watcher.follow, plan))
-                first_track.follow(plan)
+            plans = onward(_halt(first_track, things, record)) if onward is not None else None
+            leg = plans is not None
+            for track, plan in zip(tracks, plans or (), strict=leg):
+                if track.watcher is not None:
+                    behind.do(partial(track.watcher.follow, plan))
+                track.follow(plan)
     except KeyboardInterrupt:
         if not first_track.done:  # there is nothing yet that could be told
             raise

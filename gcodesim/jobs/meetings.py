@@ -104,6 +104,16 @@ def meet(jobs: Sequence[Job], read_again: Callable[[Job, int | None], None]) -> 
     return meetings
 
 
+def together(jobs: Sequence[Job]) -> Appointments:
+    """Planned programs that wait for nobody."""
+    ends: dict[str, float | None] = {}
+    for job in jobs:
+        assert job.plan is not None
+        ends[job.channel] = job.plan.trajectory.duration
+    table = Timetable(waits=dict.fromkeys(ends, ()), ends=ends, circle=(), ended=(), lone=())
+    return Appointments(table=table, marks=dict.fromkeys(ends, ()))
+
+
 def _appointments(jobs: Sequence[Job]) -> Appointments:
     """When programs meet, all of them planned to their ends."""
     marks: dict[str, list[Meeting]] = {}

@@ -48,11 +48,12 @@ def rehearse(job: Job, *, onward: bool = False) -> Sequence[Stay] | None:
         for plan, own, who in zip(plans, shops, inspectors, strict=True)
     ]
 
-    def further(halt: RunHalt) -> Plan | None:
+    def further(halt: RunHalt) -> Sequence[Plan] | None:
         plan = None if job.legs is None else job.legs.onward(halt)
-        if plan is not None:
-            inspectors[0].follow(plan)
-        return plan
+        if plan is None:
+            return None
+        inspectors[0].follow(plan)
+        return (plan,)
 
     pacing = Pacing(dt_ns=step)
     execution = execute_together(channels, world_name=KINEMATIC, pacing=pacing, onward=further if onward else None)

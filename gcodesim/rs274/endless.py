@@ -99,6 +99,16 @@ class Endless:
         shown = [f"{_shown(name)} (now {after[name]:g})" for name in names[:_MOST_NAMED]]
         return ", ".join(shown) + (" and others" if len(names) > _MOST_NAMED else "")
 
+    def hint(self, option: str) -> str:
+        """What is known of a program that goes on and on; `option` of the command line would let it."""
+        is_loop = self.loop is not None
+        if self.period:
+            return "nothing in the loop that begins here changes any more" if is_loop else "nothing changes any more"
+        what = "the loop that begins here" if is_loop else "it"
+        if changes := self.changes:
+            return f"{what} still changes {changes}, so it may end; {option} allows more"
+        return f"{what} may have no end; {option} allows more"
+
 
 def _where(flow: FlowControl) -> tuple[object, ...]:
     frame = flow.frame

@@ -9,11 +9,12 @@ from gcodesim.diagnostics import SourceText, Span
 from gcodesim.rs274.block import Block
 from gcodesim.rs274.control import Control
 from gcodesim.rs274.dialects.linuxcnc import LENGTH, NON_MODAL, STOPPING
+from gcodesim.rs274.executor import Executor
 from gcodesim.rs274.fault import Fault
 from gcodesim.rs274.flow import FlowControl
 from gcodesim.rs274.program_file import ProgramFile
 from gcodesim.rs274.reader import Reader
-from gcodesim.rs274.run import Executor, Run
+from gcodesim.rs274.run import Run
 from gcodesim.rs274.tokens import VERBATIM, Token
 from gcodesim.rs274.words import Words
 

@@ -1,7 +1,8 @@
-"""A run that waits between its legs: `simulation.run` in a thread, which goes on when the session has a further leg."""
+"""A run that waits between its legs: `simulation.run` in a thread, which goes on when the session has further ones."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from queue import SimpleQueue
 from threading import Thread
@@ -9,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from gcodesim import simulation
 from gcodesim.diagnostics import Severity
+from gcodesim.jobs.meetings import together
 from gcodesim.planning.legs import followed_by
 from gcodesim.shop import with_stock
 
@@ -20,13 +22,45 @@ if TYPE_CHECKING:
     from gcodesim.planning import Plan
 
 
-class RunThread:
-    """The run of `job`; itself what `job.legs` has to be. Only one of the two threads works at any time."""
+class Beside:
+    """What the `legs` of a job of a session have to be; those of the first job say whether there are further ones."""
 
     ended = False
 
+    def __init__(self, job: Job) -> None:
+        self._job = job
+
+    def onward(self, halt: RunHalt | None = None) -> Plan | None:
+        """The plan of all legs, the latest included, which the session has put into the job."""
+        del halt
+        return self._job.plan
+
+    def stock_up(self) -> bool:
+        """Load the stocks; False if a fault in one of them, which is reported, keeps the job from running."""
+        assert self._job.shop is not None
+        self._job.shop, problems = with_stock(self._job.shop)
+        self._job.findings.extend(problems)
+        return not any(problem.level >= Severity.ERROR for problem in problems)
+
+    def stop(self) -> None:
+        """Nothing is left to report."""
+
+    def watch_stocks(self) -> None:
+        """What a session moves is not checked for collisions."""
+
+    def tell_of_untouched_stock(self) -> None:
+        """A session does not probe."""
+
+
+class RunThread(Beside):
+    """The run of `job` and those beside it. Only one of the two threads works at any time."""
+
     def __init__(self, job: Job, out: Path | None) -> None:
-        self._job, self._out = job, out
+        super().__init__(job)
+        for other in job.others:
+            other.legs = Beside(other)
+        job.legs = self
+        self._out = out
         self._further: SimpleQueue[bool] = SimpleQueue()
         self._reached: SimpleQueue[bool] = SimpleQueue()
         self._thread: Thread | None = None
@@ -36,10 +70,12 @@ class RunThread:
 
     # ---- for the session
 
-    def advance(self, leg: Plan) -> None:
-        """Run a leg; returns when it is done. Raises what the run raises."""
-        before = self._job.plan
-        self._job.plan = leg if before is None else followed_by(before, leg)
+    def advance(self, legs: Sequence[Plan]) -> None:
+        """Run a leg of each machine, all equally long; returns when they are done. Raises what the run raises."""
+        for job, leg in zip(self._job.all, legs, strict=True):
+            job.plan = leg if job.plan is None else followed_by(job.plan, leg)
+        if self._job.others:
+            self._job.meetings = together(self._job.all)
         self._working = True
         if self._thread is None:
             self._thread = Thread(target=self._run, name="gcodesim session", daemon=True)
@@ -88,19 +124,3 @@ class RunThread:
         """Between two windows: KeyboardInterrupt, as in a run of the command line, if the session was interrupted."""
         if self._interrupted:
             raise KeyboardInterrupt
-
-    def stock_up(self) -> bool:
-        """Load the stocks; False if a fault in one of them, which is reported, keeps the job from running."""
-        assert self._job.shop is not None
-        self._job.shop, problems = with_stock(self._job.shop)
-        self._job.findings.extend(problems)
-        return not any(problem.level >= Severity.ERROR for problem in problems)
-
-    def stop(self) -> None:
-        """Nothing is left to report."""
-
-    def watch_stocks(self) -> None:
-        """What a session moves is not checked for collisions."""
-
-    def tell_of_untouched_stock(self) -> None:
-        """A session does not probe."""

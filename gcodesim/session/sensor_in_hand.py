@@ -19,9 +19,11 @@ from gcodesim.sensors.optics import Optics
 from gcodesim.sensors.outputs import DepthMap, Output, Picture
 from gcodesim.sensors.scenery import Scenery
 from gcodesim.sensors.sensor import Sight
+from gcodesim.session.misuse import MisuseError
 
 if TYPE_CHECKING:
     from gcodesim.executor.record import StepRecord
+    from gcodesim.session.cell_in_hand import OpenCell
     from gcodesim.shop import Shop
 
 
@@ -31,10 +33,12 @@ class Present:
 
     shop: Shop
     record: StepRecord
+    beside: Mapping[str, Array]
+    """Joints (j,) of the other machines, by name."""
 
     @property
     def q(self) -> dict[str, Array]:
-        return {self.shop.name: self.record.world.q[-1]}
+        return {self.shop.name: self.record.world.q[-1], **self.beside}
 
     @property
     def tool(self) -> int:
@@ -80,3 +84,33 @@ def pixels_of(outputs: Mapping[str, Output]) -> NDArray[np.uint8] | None:
 def depths_of(outputs: Mapping[str, Output]) -> NDArray[np.float32] | None:
     """The map of depth among what a sensor has read."""
     return next((output.depth for output in outputs.values() if isinstance(output, DepthMap)), None)
+
+
+class HandSensor:
+    """A sensor of an open cell. It reads whenever it is asked, besides its own times, which are those of a run."""
+
+    def __init__(self, cell: OpenCell, station: Station) -> None:
+        self._cell, self.station = cell, station
+        self._count = 0
+
+    def read(self) -> Mapping[str, Output]:
+        """What it reads after the last step, by name. MisuseError for a tool that no robot holds."""
+        present = self._cell._present(self.station.tool)
+        if self.station.tool is not None and self.station.tool != present.tool:
+            raise MisuseError(f"no robot holds tool {self.station.tool}; call `couple` and `step` first")
+        self._count += 1
+        return present.reading(self.station, present.shop.cell.simulation.seed, self._count)
+
+    def picture(self) -> NDArray[np.uint8]:
+        """Red, green and blue (height, width, 3), the upper row first. MisuseError if it takes no pictures."""
+        found = pixels_of(self.read())
+        if found is None:
+            raise MisuseError(f"`{self.station.name}` is a {self.station.sensor.kind}, which takes no pictures")
+        return found
+
+    def depth(self) -> NDArray[np.float32]:
+        """Depth (height, width) [m], not a number where nothing is seen. MisuseError if it measures none."""
+        found = depths_of(self.read())
+        if found is None:
+            raise MisuseError(f"`{self.station.name}` is a {self.station.sensor.kind}, which measures no depth")
+        return found

@@ -85,6 +85,11 @@ class Switches:
         self.values[name] = value
         self._waiting.append(action((SIGNAL, name), value))
 
+    @property
+    def changes_tool(self) -> bool:
+        """Whether a change of tools waits."""
+        return any(isinstance(event, ToolChange) for event in self._waiting)
+
     def taken(self) -> tuple[Event, ...]:
         """What waits; nothing does afterwards."""
         events, self._waiting = tuple(self._waiting), []

@@ -14,7 +14,9 @@ from gcodesim.session.switches import CLOSE, ON, OPEN, hears, settings_of, turns
 from gcodesim.tools.tcp_load import LOAD_FRAMES
 
 if TYPE_CHECKING:
-    from gcodesim.session.cell_in_hand import Arm, OpenCell
+    from gcodesim.session.arm import Arm
+    from gcodesim.session.cell_in_hand import OpenCell
+    from gcodesim.session.machine import Machine
     from gcodesim.tools.tool import Tool
 
 
@@ -31,45 +33,53 @@ class HandTool:
 
     @property
     def is_coupled(self) -> bool:
-        return self._cell._state.tool == self.number
+        return self._holder is not None
+
+    @property
+    def _holder(self) -> Machine | None:
+        return self._cell._holder(self.number)
 
     def couple(self, arm: Arm) -> None:
         """Let `arm` hold the tool; like M6, it takes the time that the cell says, with the next steps.
 
-        MisuseError when the arm holds a tool already, is of another cell, or is none.
+        MisuseError when the arm holds a tool already, is of another cell, or is none, and when another arm holds this
+        tool.
         """
-        if getattr(arm, "_cell", None) is None or not hasattr(arm, "joint_names"):
+        from gcodesim.session.arm import Arm
+
+        if not isinstance(arm, Arm):
             raise MisuseError(f"tool {self.number} is coupled to an arm of the cell, as `cell.robot(…)` gives it")
         if arm._cell is not self._cell:
             raise MisuseError(f"tool {self.number} and `{arm.name}` are in two different cells")
-        held = self._cell._state.tool
+        held, holder = arm._machine.state.tool, self._holder
         if held == self.number:
             raise MisuseError(f"`{arm.name}` holds tool {held} already")
         if held:
             raise MisuseError(f"`{arm.name}` holds tool {held}; decouple that first")
-        self._cell._change_tool(self.number)
+        if holder is not None:
+            raise MisuseError(f"`{holder.shop.name}` holds tool {self.number}; decouple it there first")
+        self._cell._check_open()
+        arm._machine.change_tool(self.number)
 
     def decouple(self) -> None:
         """Put the tool back. MisuseError when no robot holds it."""
-        self._held()
-        self._cell._change_tool(0)
+        self._held().change_tool(0)
 
     def activate(self) -> None:
         """Switch the process of the tool on, from the next step on.
 
         MisuseError when no robot holds it, or when it is a tool that is not switched, such as a mill or a gripper.
         """
-        self._held()
+        holder = self._held()
         if not hears(self.spec, ON):
             instead = "; a gripper has `close` and `open`" if hears(self.spec, CLOSE) else ""
             instead = "; a cutter takes `spin`" if hasattr(self.spec, "flutes") else instead
             raise MisuseError(f"tool {self.number} ({self.spec.kind}) has nothing that could be switched on{instead}")
-        self._cell._active = True
+        holder.active = True
 
     def deactivate(self) -> None:
         """Switch the process off. MisuseError when no robot holds the tool."""
-        self._held()
-        self._cell._active = False
+        self._held().active = False
 
     def close(self) -> None:
         """Close the gripper, or switch its vacuum on, with the next step. MisuseError when no robot holds it, or it is
@@ -82,15 +92,16 @@ class HandTool:
         self._tell(OPEN)
 
     def _tell(self, order: tuple[str, str]) -> None:
-        self._held()
+        holder = self._held()
         if not hears(self.spec, order):
             raise MisuseError(f"tool {self.number} ({self.spec.kind}) is no gripper")
-        self._cell._switches.tell(order)
+        holder.switches.tell(order)
 
     @property
     def settings(self) -> dict[str, float | None]:
         """What `set` can set, by name in SI; None where the tool's own value holds, as the cell gives it."""
-        values = self._cell._switches.values if self.is_coupled else {}
+        holder = self._holder
+        values = {} if holder is None else holder.switches.values
         return {name: values.get(name) for name in settings_of(self.spec)}
 
     def set(self, name: str, value: float) -> None:
@@ -99,7 +110,7 @@ class HandTool:
         It holds until another value or until the tool is put back. MisuseError when no robot holds it, when it has no
         such setting, and for a value that the setting cannot have.
         """
-        self._held()
+        holder = self._held()
         known = settings_of(self.spec)
         if name not in known:
             listed = f"it has {', '.join(known)}" if known else "it has none"
@@ -109,20 +120,20 @@ class HandTool:
             unit = f" {signal.unit}" if signal.unit else ""
             reach = f"from {signal.least:g} to {signal.most:g}{unit}" if np.isfinite(signal.most) else "0 or more"
             raise MisuseError(f"`{name}` of tool {self.number} cannot be {value:g}{unit}; it can be {reach}")
-        self._cell._switches.set(name, float(value))
+        holder.switches.set(name, float(value))
 
     def spin(self, speed: float) -> None:
         """Turn the spindle from the next step on [rad/s]; above 0 as M3, below as M4, 0 stops it.
 
         MisuseError when no robot holds the tool, or when it is a tool that does not turn, such as a gripper.
         """
-        self._held()
+        holder = self._held()
         if not turns(self.spec):
             instead = "; a gripper has `close` and `open`" if hears(self.spec, CLOSE) else ""
             raise MisuseError(f"tool {self.number} ({self.spec.kind}) does not turn{instead}")
         if not np.isfinite(speed):
             raise MisuseError(f"a spindle cannot turn with {speed} rad/s")
-        self._cell._state = replace(self._cell._state, spindle=float(speed))
+        holder.state = replace(holder.state, spindle=float(speed))
 
     def apply_tcp_force(
         self, force: ArrayLike, torque: ArrayLike = (0.0, 0.0, 0.0), frame: Literal["world", "tool"] = "world"
@@ -132,23 +143,26 @@ class HandTool:
         In axes of the world, or of the tool, with which they turn. It comes to the `load` of the tool in the cell, and
         moves the arm as a force of the process does. MisuseError when no robot holds the tool.
         """
-        self._held()
+        holder = self._held()
         push = np.concatenate([np.asarray(force, dtype=float), np.asarray(torque, dtype=float)])
         if push.shape != (6,) or not np.isfinite(push).all():
             raise MisuseError("a force has three finite numbers [N], and a torque three [N·m]")
         if frame not in LOAD_FRAMES:
             raise MisuseError(f"a force acts in axes of the `world` or of the `tool`; there is no `{frame}`")
         pushed: tuple[float, ...] = tuple(push.tolist()) if push.any() else ()
-        self._cell._state = replace(self._cell._state, push=pushed, push_in_tool=bool(pushed) and frame == "tool")
+        holder.state = replace(holder.state, push=pushed, push_in_tool=bool(pushed) and frame == "tool")
 
     def extrude(self, path: ToolPath, frame: str = "G54") -> None:
         """Run a path with the process on all along; see `Arm.run`. MisuseError when the tool is no extruder."""
-        self._held()
+        holder = self._held()
         if "extrusion" not in self.spec.processes:
             raise MisuseError(f"tool {self.number} ({self.spec.kind}) does not extrude")
-        self._cell._run_path(path, frame, True)
+        self._cell._run_path(holder, path, frame, True)
 
-    def _held(self) -> None:
+    def _held(self) -> Machine:
+        """The machine that holds it; MisuseError when none does."""
         self._cell._check_open()
-        if not self.is_coupled:
+        holder = self._holder
+        if holder is None:
             raise MisuseError(f"no robot holds tool {self.number}; call `couple` first")
+        return holder

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from gcodesim.diagnostics import Diagnostic
@@ -98,19 +98,25 @@ class OneRun:
             files=None if self.folder is None else SensorFiles(self.folder.path),
         )
 
-    def _onward(self, halt: RunHalt) -> Plan | None:
-        """The next leg, if the program has one; whoever watches the run gets to know it."""
+    def _onward(self, halt: RunHalt) -> Sequence[Plan] | None:
+        """The next legs, if there are any; whoever watches the run gets to know it."""
         job = self.job
-        if job.others:  # all legs have been planned, or there would be no common clock
-            return None
         assert job.legs is not None
         known = set(job.findings)
         plan = job.legs.onward(halt)
         if self.recorder is not None:
             self.recorder.expect(job.shown(finding for finding in job.findings if finding not in known))
-        if plan is not None:
-            self.channels[0].follow(plan)
-        return plan
+        if plan is None:
+            return None
+        plans = [plan]
+        for other in job.others:
+            assert other.legs is not None
+            its = other.legs.onward()
+            assert its is not None
+            plans.append(its)
+        for channel, each in zip(self.channels, plans, strict=True):
+            channel.follow(each)
+        return plans
 
     def conclude(self, execution: Execution) -> Results:
         """What only the whole run shows, as findings and results; its files are written."""

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import csv
+import importlib
 import json
+import sys
 from math import pi, tan
 from pathlib import Path
 
@@ -355,3 +357,18 @@ def test_the_film_is_in_the_log_and_in_the_model(tmp_path: Path) -> None:
         write_part(recording, coarse, t_ns=recording.end_ns)
     tops = [read_mesh(file)[0][:, 2].max() for file in files]
     assert tops[0] == pytest.approx(tops[1], abs=1e-4)  # mm; the film is drawn 0.2 mm above
+
+
+def test_two_arms_moved_by_one_script_paint_as_their_programs_do(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.syspath_prepend(str(ROOT / "programs"))
+    script = importlib.import_module("painted_together")
+    monkeypatch.setattr(sys, "argv", ["painted_together.py", str(tmp_path)])
+    script.main()
+    assert capsys.readouterr().out == "6 stripes in 10.4 s: 34.0 to 43.0 µm of paint\n"
+    known = json.loads((ROOT / "programs" / "spray_two_arms.golden.json").read_text())["results"]["coating"]
+    film = json.loads((tmp_path / "results.json").read_text())["coating"]
+    assert film["film_mm3"] == pytest.approx(known["film_mm3"], rel=2e-3)
+    for name in ("least_um", "mean_um", "most_um"):
+        assert film["bodies"]["panel"][name] == pytest.approx(known["bodies"]["panel"][name], rel=2e-3)

@@ -59,7 +59,7 @@ def test_no_picture_of_the_gallery_is_stale(pictures):
         assert f"(gallery/{name})" in page and f"`{shot.example}`" in page
 
 
-@pytest.mark.parametrize("name", ["force_control.png", "taught_poses.png"])
+@pytest.mark.parametrize("name", ["force_control.png", "painted_together.png", "taught_poses.png"])
 def test_no_picture_of_a_script_is_stale(pictures, tmp_path, name):
     page = (ROOT / "docs" / "gallery.md").read_text(encoding="utf-8")
     scripted = pictures.SCRIPTED[name]

@@ -10,6 +10,7 @@ from gcodesim.diagnostics import Diagnostic, SourceText, Span
 from gcodesim.diagnostics.text import LONG
 from gcodesim.rs274.block import Block
 from gcodesim.rs274.dialects.linuxcnc import CANCEL, MOTION, STOPPING
+from gcodesim.rs274.executor import Executor
 from gcodesim.rs274.fanuc import corners
 from gcodesim.rs274.fanuc import variables as numbers
 from gcodesim.rs274.fanuc.arguments import arguments_of
@@ -24,7 +25,6 @@ from gcodesim.rs274.fault import Fault
 from gcodesim.rs274.flow import Stopped
 from gcodesim.rs274.lanes import LONG_IN_CELL, WORTH_COMPILING, Lane, Lanes, LongLanes
 from gcodesim.rs274.program_file import ProgramFile
-from gcodesim.rs274.run import Executor
 from gcodesim.rs274.tool_point import CENTRE_POINT
 from gcodesim.rs274.words import AXIS_LETTERS, Words, read_words
 

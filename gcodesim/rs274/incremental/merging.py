@@ -6,9 +6,10 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from gcodesim.diagnostics import Findings
+from gcodesim.rs274.told import is_of_many
 
 if TYPE_CHECKING:
-    from gcodesim.rs274.run import Executor
+    from gcodesim.rs274.executor import Executor
 
 
 class NotMergeableError(Exception):
@@ -27,9 +28,7 @@ def carry_over(later: Executor, now: Executor, then: Executor, changed: range) -
     later.control.not_simulated = counts
     if now.run.failed is not None:
         later.run.failed, later.run.failed_line = now.run.failed, now.run.failed_line
-    later.faults += now.faults - then.faults
-    later.told = _sets(later.told, now.told, then.told)
-    later.kinds = _sets(later.kinds, now.kinds, then.kinds)
+    later.told.carry_over(now.told, then.told)
 
 
 def _findings(later: Findings, now: Findings, then: Findings, changed: range) -> Findings:
@@ -39,7 +38,7 @@ def _findings(later: Findings, now: Findings, then: Findings, changed: range) ->
         more = finding.count - (before[key].count if key in before else 0)
         if more <= 0:
             continue
-        if (key in before) != (key in known) or "further" in key or finding.span.line - 1 in changed:
+        if (key in before) != (key in known) or is_of_many(key) or finding.span.line - 1 in changed:
             raise NotMergeableError
         out.add(replace(finding, count=more), key=key)
     return out
@@ -54,12 +53,4 @@ def _counts(later: dict[str, Any], now: dict[str, Any], then: dict[str, Any]) ->
         if (word in then) != (word in now):
             raise NotMergeableError
         out[word] = (now[word][0] + more, now[word][1]) if word in now else (more, first)
-    return out
-
-
-def _sets(later: dict[Any, set[Any]], now: dict[Any, set[Any]], then: dict[Any, set[Any]]) -> dict[Any, set[Any]]:
-    out = {key: set(values) for key, values in now.items()}
-    for key, values in later.items():
-        if fresh := values - then.get(key, set()):
-            out.setdefault(key, set()).update(fresh)
     return out

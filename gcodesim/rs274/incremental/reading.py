@@ -21,7 +21,7 @@ from gcodesim.rs274.settings import Settings
 
 if TYPE_CHECKING:
     from gcodesim.rs274.control import Control
-    from gcodesim.rs274.run import Executor
+    from gcodesim.rs274.executor import Executor
 
 EVERY: Final = 250
 """Blocks between two copies of the run at first; their distance grows where a program executes very many."""

@@ -13,13 +13,13 @@ from gcodesim.rs274.program_file import ProgramFile
 from gcodesim.rs274.reader import Reader
 
 if TYPE_CHECKING:
-    from gcodesim.rs274.run import Executor
+    from gcodesim.rs274.executor import Executor
 
 # what is counted, said or cached, and decides nothing that comes after
 _ASIDE: Final = frozenset(
     (
-        *("run", "file", "reader", "settings", "dialect", "lanes", "endless", "deadline", "next_clock"),
-        *("blocks", "events_left", "most_blocks", "faults", "told", "kinds", "block_number", "span", "notes"),
+        *("run", "file", "reader", "settings", "dialect", "lanes", "endless", "allowance"),
+        *("blocks", "told", "block_number", "span", "notes"),
         *("not_simulated", "undo", "changes", "files", "touched", "folders", "source_of_limits"),
     )
 )

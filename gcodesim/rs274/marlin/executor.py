@@ -14,6 +14,7 @@ from gcodesim.canon.printing import MotionLimits
 from gcodesim.diagnostics import Diagnostic, SourceText, Span
 from gcodesim.diagnostics.text import LONG
 from gcodesim.rs274.control import Control
+from gcodesim.rs274.executor import MOST_NOTES, Executor, Feedback
 from gcodesim.rs274.fault import Fault
 from gcodesim.rs274.flow import FlowControl
 from gcodesim.rs274.lanes import WORTH_COMPILING, Lane, Lanes, LongLanes
@@ -37,7 +38,7 @@ from gcodesim.rs274.marlin.printer_file import PrinterFile
 from gcodesim.rs274.marlin.said import remember
 from gcodesim.rs274.other_machines import foreign_of
 from gcodesim.rs274.program_file import ProgramFile
-from gcodesim.rs274.run import MOST_NOTES, Executor, Feedback, Run
+from gcodesim.rs274.run import Run
 from gcodesim.rs274.settings import MappedAction
 from gcodesim.rs274.state import Vector
 from gcodesim.rs274.tool_table import ToolEntry

@@ -125,7 +125,7 @@ def test_a_wait_that_runs_out_reads_minus_one() -> None:
 
 
 def test_the_time_of_an_answer_is_none_of_reading(monkeypatch: pytest.MonkeyPatch) -> None:
-    from gcodesim.rs274 import run as module
+    from gcodesim.rs274 import allowance as module
 
     clock = 0.0
     monkeypatch.setattr(module.time, "monotonic", lambda: clock)

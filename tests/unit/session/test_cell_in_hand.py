@@ -137,7 +137,7 @@ def test_steps_do_not_wait_without_end(tmp_path: Path, monkeypatch: pytest.Monke
         arm.set_joint_position({arm.joint_names[1]: -1.2})
         for seconds in (*[0.004] * 12, 0.2):
             cell.step(seconds)
-            assert sum(len(stretch.q) - 1 for stretch in cell._waiting) < 10
+            assert cell._waiting_steps < 10
         assert cell.time == pytest.approx(0.248)
         assert arm.joint_state.position[1] > -1.5708
     assert (tmp_path / "out" / "run.mcap").exists()
@@ -206,7 +206,7 @@ def _moving(cell: OpenCell) -> None:
 @pytest.mark.parametrize(
     ("wrong", "text"),
     [
-        (lambda cell: cell.robot("leg"), "`leg` cannot be moved: the first channel of this cell moves `arm`"),
+        (lambda cell: cell.robot("leg"), "no channel of this cell moves `leg`; they move `arm`"),
         (lambda cell: cell.tool(9), "the cell has no tool 9; it has 1, 2"),
         (lambda cell: cell.tool(2).activate(), "no robot holds tool 2; call `couple` first"),
         (_twice, "`arm` holds tool 1; decouple that first"),
@@ -245,7 +245,7 @@ def test_a_joint_path_is_gone_through_without_a_stop(tmp_path: Path) -> None:
         arm = cell.robot()
         first, limits = arm.joint_state.position, cell._shop.kinematics.joints
         seen: list[np.ndarray[Any, Any]] = []
-        cell._job.seen = lambda record: (seen.append(record.world.q.copy()), cell._see(record))  # type: ignore[assignment, func-returns-value]
+        cell._job.seen = lambda record: (seen.append(record.world.q.copy()), cell._first._see(record))  # type: ignore[assignment, func-returns-value]
         path = [first + step * np.array([0.1, 0.05, -0.05, 0.1, 0.1, 0.2]) for step in range(1, 6)]
         arm.follow_joints(path)
         assert arm.joint_state.position == pytest.approx(path[-1], abs=1e-12)
@@ -271,7 +271,7 @@ def test_poses_are_followed_with_their_orientations(tmp_path: Path) -> None:
         arm.move_to([0.6, -0.1, 0.45], down)
         seen: list[np.ndarray[Any, Any]] = []
         cell.time  # noqa: B018  (runs what waits)
-        cell._job.seen = lambda record: (seen.append(record.window.tip.copy()), cell._see(record))  # type: ignore[assignment, func-returns-value]
+        cell._job.seen = lambda record: (seen.append(record.window.tip.copy()), cell._first._see(record))  # type: ignore[assignment, func-returns-value]
         arm.follow([[0.6, 0.1, 0.45], [0.6, 0.1, 0.55]], [down, lean])
         position, orientation = arm.endeffector_pose
         assert position == pytest.approx([0.6, 0.1, 0.55], abs=1e-6)

@@ -1,0 +1,276 @@
+"""A robot, or a machine tool, of an open cell: sent to joints and poses, and along paths."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from gcodesim.arithmetic.matrices import multiplied
+from gcodesim.controllers import Controller
+from gcodesim.frames import Array, Pose, quaternion_from_rotation, rotation_from_quaternion
+from gcodesim.frozen import frozen
+from gcodesim.kinematics.protocol import Status
+from gcodesim.motion.tool_path import ToolPath
+from gcodesim.session.misuse import MisuseError
+from gcodesim.session.pose_path import between
+from gcodesim.shop import controller_of
+from gcodesim.units import MM
+
+if TYPE_CHECKING:
+    from gcodesim.session.cell_in_hand import OpenCell
+    from gcodesim.session.machine import Machine
+    from gcodesim.session.tool_in_hand import HandTool
+
+
+@frozen(eq=False)
+class JointState:
+    """A robot after the last step, in the order of its joints: positions, velocities and efforts of motors (j,), SI.
+
+    `reaction` (6,): force [N] and torque [N·m] of the flange on the tool, at the flange, in axes of the base.
+    """
+
+    names: tuple[str, ...]
+    position: Array
+    velocity: Array
+    effort: Array
+    reaction: Array
+
+
+Joints = str | Mapping[str, float] | ArrayLike
+"""What a script gives for joints: all of them (j,), some by name, or the name of a pose of the cell."""
+
+
+class Arm:
+    """A robot, or a machine tool, of an open cell. Joint values in rad and m, in the order of `joint_names`."""
+
+    def __init__(self, cell: OpenCell, machine: Machine) -> None:
+        self._cell, self._machine = cell, machine
+
+    @property
+    def name(self) -> str:
+        return self._machine.shop.name
+
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        return self._machine.shop.kinematics.joints.names
+
+    @property
+    def joint_state(self) -> JointState:
+        """The state after the last step; zeros, at home, before the first."""
+        self._cell._flush()
+        q, record = self._machine.measured, self._machine.record
+        zero = np.zeros(len(q))
+        if record is None:
+            return JointState(
+                names=self.joint_names, position=q.copy(), velocity=zero, effort=zero, reaction=np.zeros(6)
+            )
+        world = record.world
+        return JointState(
+            names=self.joint_names,
+            position=world.q[-1].copy(),
+            velocity=world.qd[-1].copy(),
+            effort=world.effort[-1].copy(),
+            reaction=world.reaction[-1].copy(),
+        )
+
+    @property
+    def controller(self) -> Controller:
+        """How its motors follow what they are told; may be set until the first step (see `gcodesim.controllers`)."""
+        from gcodesim.world import usual_controller
+
+        mover = self._machine.shop.mover
+        return mover.controller or usual_controller(self._machine.job.world, mover.stiffness)
+
+    @controller.setter
+    def controller(self, controller: Controller) -> None:
+        """MisuseError once a step has run, and for machine tools, which have no model of their motors."""
+        shop = self._machine.shop
+        self._cell._check_open()
+        if self._machine.has_begun:
+            raise MisuseError("a controller is set before the first step")
+        if shop.mover.joints_are_axes:
+            raise MisuseError(f"`{self.name}` is a machine tool; controllers are for robots")
+        count = len(self.joint_names)
+        for name, values in controller.lists().items():
+            if len(values) not in (0, 1, count):
+                raise MisuseError(f"`{name}` has {len(values)} entries; `{self.name}` has {count} joints")
+        mover = replace(shop.mover, controller=controller_of(controller, shop.kinematics))
+        scene = replace(shop.scene, movers={**shop.scene.movers, mover.name: mover})
+        self._machine.job.shop = replace(shop, mover=mover, scene=scene)
+
+    @property
+    def tool(self) -> HandTool | None:
+        """The tool that it holds."""
+        number = self._machine.state.tool
+        return self._cell.tool(number) if number else None
+
+    @property
+    def endeffector_pose(self) -> tuple[Array, Array]:
+        """Position (3,) [m] and orientation x y z w in the world of the tip of the tool, or of the flange."""
+        self._cell._flush()
+        shop = self._machine.shop
+        X_BF = Pose.from_matrix(shop.kinematics.forward(self._machine.measured[None])[0])
+        X_WT = shop.X_WB @ X_BF @ self._X_FT()
+        return X_WT.p, quaternion_from_rotation(X_WT.R)
+
+    def set_joint_position(self, q: Joints) -> None:
+        """Where the joints are to go with the next steps: all (j,), some by name, or the name of a pose.
+
+        MisuseError beyond a limit.
+        """
+        self._aim(self._joints_of(q))
+
+    def move_joints(self, *vectors: Joints) -> None:
+        """Go through joint vectors from rest to rest, all joints together (PTP); returns when the last is reached.
+
+        A text is the name of one of the robot's `poses` in the cell; external axes stay where they are.
+        MisuseError beyond a limit, before anything moves, and while the robot moves already.
+        """
+        self._check_ready()
+        for target in [self._joints_of(q) for q in vectors]:
+            self._move_joints(target)
+
+    def follow_joints(self, vectors: Sequence[Joints], active: bool | None = None) -> None:
+        """Go through joint vectors without a stop, and wait; `active` switches the process of the tool meanwhile.
+
+        A cubic spline from rest to rest, as fast as the limits of the joints allow (`planning.joint_spline`).
+        MisuseError beyond a limit, before anything moves, and while the robot moves already.
+        """
+        self._check_ready()
+        table = [self._joints_of(q) for q in vectors]
+        if not table:
+            raise MisuseError("the path has no joint vectors")
+        self._follow_joints(np.array(table), active)
+
+    def follow(
+        self,
+        positions: ArrayLike,
+        orientations: ArrayLike | None = None,
+        *,
+        spacing: float = 5e-3,
+        active: bool | None = None,
+    ) -> None:
+        """Bring the tip through poses in the world without a stop, and wait; it begins where the tip stands.
+
+        `positions` (n, 3) [m], `orientations` (n, 4) x y z w, or one for all, or None: the tool keeps its own. Between
+        two poses the tip goes straight, and turns evenly, through further poses that are at most `spacing` [m] (or as
+        many radians times 0.1 m) apart; joints go through all of them as in `follow_joints`. MisuseError, with the
+        number of the pose, where one cannot be reached, before anything moves.
+        """
+        self._check_ready()
+        p0, q0 = self.endeffector_pose
+        ends = np.vstack([p0, np.atleast_2d(np.asarray(positions, dtype=float))])
+        wanted = q0 if orientations is None else np.asarray(orientations, dtype=float)
+        turns = np.broadcast_to(wanted, (len(ends) - 1, 4))
+        if not (np.isfinite(ends).all() and np.isfinite(turns).all() and spacing > 0.0):
+            raise MisuseError("poses are finite numbers, and their spacing is above 0 m")
+        poses, number = between(ends, np.vstack([q0, turns]), spacing)
+        shop = self._machine.shop
+        X_FT, X_BW = self._X_FT().inverse().matrix, shop.X_WB.inverse().matrix
+        q, status = shop.kinematics.inverse(multiplied(X_BW, poses, X_FT), self._machine.q)
+        bad = np.flatnonzero((status == Status.REACH) | (status == Status.LIMIT))
+        if len(bad):
+            why = "is out of reach" if status[bad[0]] == Status.REACH else "needs a joint beyond its limit"
+            raise MisuseError(f"`{self.name}` cannot go there: the way to pose {number[bad[0]]} {why}")
+        self._follow_joints(q, active)
+
+    def move_to(self, position: ArrayLike, orientation: ArrayLike | None = None) -> None:
+        """Bring the tip to a pose in the world by a joint move (PTP), and wait; as `set_endeffector_pose` otherwise."""
+        self._check_ready()
+        self.set_endeffector_pose(position, orientation)
+        self._move_joints(self._machine.target.copy())
+
+    @property
+    def poses(self) -> Mapping[str, Mapping[str, float]]:
+        """The named poses that the cell gives this robot: joint values [rad, m] by the names of joints."""
+        shop = self._machine.shop
+        if shop.mover.joints_are_axes:
+            return {}
+        robot = shop.cell.robots[shop.name]
+        names = robot.chain.driven_joints.names
+        return {pose: dict(zip(names, values, strict=True)) for pose, values in robot.poses.items()}
+
+    def _joints_of(self, q: Joints) -> Array:
+        """All joint values (j,) that a script means; MisuseError when they are none of this robot's."""
+        if isinstance(q, str):
+            poses = self.poses
+            if q not in poses:
+                raise MisuseError(f"`{self.name}` has no pose `{q}`; it has {', '.join(poses) or 'none'}")
+            q = poses[q]
+        joints = self._machine.shop.kinematics.joints
+        target = self._machine.target.copy()
+        if isinstance(q, Mapping):
+            for name, value in q.items():
+                if name not in joints.names:
+                    raise MisuseError(f"`{self.name}` has no joint `{name}`; it has {', '.join(joints.names)}")
+                target[joints.names.index(name)] = value
+        else:
+            given = np.asarray(q, dtype=float)
+            if given.shape != target.shape:
+                raise MisuseError(f"`{self.name}` has {len(target)} joints; {given.size} values are given")
+            target = given.copy()
+        for k in np.flatnonzero(~((target >= joints.lower) & (target <= joints.upper))):
+            raise MisuseError(
+                f"{joints.names[k]} cannot go to {target[k]:.6g}: its limits are {joints.lower[k]:.6g} and "
+                f"{joints.upper[k]:.6g} {'m' if joints.kinds[k] == 'prismatic' else 'rad'}"
+            )
+        return target
+
+    def set_endeffector_pose(self, position: ArrayLike, orientation: ArrayLike | None = None) -> None:
+        """Where the tip of the tool, or the flange, is to be with the next steps, in the world; joints go evenly there.
+
+        `orientation` x y z w; without it the tool keeps its own. MisuseError, with the reason, when no joints do it.
+        """
+        shop, held = self._machine.shop, self._machine.target
+        goal = np.asarray(position, dtype=float)
+        turned = np.array([0.0, 0.0, 0.0, 1.0]) if orientation is None else np.asarray(orientation, dtype=float)
+        if goal.shape != (3,) or turned.shape != (4,) or not np.isfinite([*goal, *turned]).all() or not turned.any():
+            raise MisuseError("a pose has a place of three finite numbers [m], and an orientation x y z w, not all 0")
+        if orientation is None:
+            R = (shop.X_WB @ Pose.from_matrix(shop.kinematics.forward(held[None])[0]) @ self._X_FT()).R
+        else:
+            R = rotation_from_quaternion(turned)
+        X_WT = Pose(goal, R)
+        X_BF = shop.X_WB.inverse() @ X_WT @ self._X_FT().inverse()
+        q, status = shop.kinematics.inverse(X_BF.matrix[None], held)
+        if status[0] in (Status.REACH, Status.LIMIT):
+            why = "is out of reach" if status[0] == Status.REACH else "needs a joint beyond its limit"
+            place = ", ".join(f"{value / MM:.1f}" for value in X_WT.p)
+            raise MisuseError(f"`{self.name}` cannot go there: the tip at ({place}) mm in the world {why}")
+        self._aim(q[0].copy())
+
+    def run(self, path: ToolPath, frame: str = "G54") -> None:
+        """Run the moves of a path with the tip of the tool, from where the robot stands to the end, as a program does.
+
+        Points are those of the work system `frame`. The tool is held as the cell says (`orientation:`). MisuseError
+        while the robot moves, for a path without moves, or where it is switched on and no tool is held.
+        """
+        self._cell._run_path(self._machine, path, frame, None)
+
+    def _X_FT(self) -> Pose:
+        tool = self._machine.shop.tool(self._machine.state.tool)
+        return Pose.identity() if tool is None else tool.X_FT
+
+    # ---- inside
+
+    def _check_ready(self) -> None:
+        self._cell._check_open()
+        self._machine.check_rest()
+
+    def _aim(self, q: Array) -> None:
+        self._cell._check_open()
+        self._machine.target = q
+
+    def _move_joints(self, target: Array) -> None:
+        """Go to `target` (j,) from rest to rest, all joints together, and wait until that is done."""
+        self._cell._wait_for(self._machine, self._machine.move(target))
+        self._machine.stand_at(target)
+
+    def _follow_joints(self, vectors: Array, active: bool | None) -> None:
+        """Go through joint vectors (n, j) without a stop, from where the robot stands, and wait until that is done."""
+        self._cell._wait_for(self._machine, self._machine.follow(vectors), active)
+        self._machine.stand_at(vectors[-1])

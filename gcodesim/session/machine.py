@@ -1,0 +1,208 @@
+"""One machine of an open cell: where its joints are to go, the steps of it that wait to be run, and what it holds."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from gcodesim.cell.standing import standing_of
+from gcodesim.frames import Array
+from gcodesim.motion.tool_path import PathEvent, ToolPath, ToolState
+from gcodesim.planning import plan_path, posing_of
+from gcodesim.planning.joint_moves import JointMove
+from gcodesim.planning.joint_spline import JointSpline
+from gcodesim.planning.shop_posing import bearers_of, loads_of
+from gcodesim.session import caller
+from gcodesim.session.misuse import MisuseError
+from gcodesim.session.servo_kernels import JointBounds, approach
+from gcodesim.session.switches import Switches
+from gcodesim.session.table_plan import Stretched, merged, plan_of
+
+if TYPE_CHECKING:
+    from gcodesim.executor.record import StepRecord
+    from gcodesim.jobs.job import Job
+    from gcodesim.planning import Plan
+    from gcodesim.planning.borne_work import BorneWork
+    from gcodesim.shop import Shop
+
+_UNLIMITED: Final = 1e6  # [rad/s, m/s, and per s] where a description names no limit
+
+
+class Machine:
+    """The machine that one channel of the cell moves, from step to step.
+
+    `q` and `qd` (j,) are the commanded joints at the end of all steps so far, run or waiting, `target` (j,) is where
+    they go with the next ones. `record` is of the last steps that were run.
+    """
+
+    def __init__(self, job: Job, step_ns: int) -> None:
+        self.job = job
+        self._dt = step_ns * 1e-9
+        self.q = self.shop.home.copy()
+        self.qd = np.zeros_like(self.q)
+        self.target = self.q.copy()
+        self.state = ToolState()
+        self.active = False
+        self.switches = Switches()
+        self.record: StepRecord | None = None
+        self._waiting: list[Stretched] = []
+        self._bounds = _bounds(self.shop)
+        job.seen = self._see
+
+    def _see(self, record: StepRecord) -> None:
+        self.record = record
+
+    @property
+    def shop(self) -> Shop:
+        assert self.job.shop is not None
+        return self.job.shop
+
+    @property
+    def has_begun(self) -> bool:
+        """Whether a step of it was run or waits."""
+        return self.record is not None or bool(self._waiting)
+
+    @property
+    def waits(self) -> bool:
+        """Whether steps of it wait to be run."""
+        return bool(self._waiting)
+
+    @property
+    def stands_first(self) -> bool:
+        """Whether its next step begins with a change of tools, for which it stands."""
+        return self.switches.changes_tool
+
+    @property
+    def measured(self) -> Array:
+        """Where the joints are after the last step that was run (j,); before the first, where they stand."""
+        return self.q if self.record is None else self.record.world.q[-1]
+
+    @property
+    def rests(self) -> bool:
+        return not np.any(np.abs(self.qd) > 0.0)
+
+    def check_rest(self) -> None:
+        """MisuseError while it moves."""
+        if not self.rests:
+            raise MisuseError("the robot is moving; let it come to rest with `cell.step` first")
+
+    def change_tool(self, number: int) -> None:
+        """Hold the tool of this number from the next step on, 0 for none, switched off."""
+        self.active = False
+        self.state = replace(self.state, tool=number, spindle=0.0, push=())
+        self.switches.change(number, self.shop.tool(number))
+
+    # ---- tables of joints, a row for each step and one before (n + 1, j)
+
+    def towards_target(self, steps: int) -> Array:
+        """The next steps on the way to the target, at which they arrive no faster than the limits allow."""
+        table = np.empty((steps + 1, len(self.q)))
+        table[0] = self.q
+        approach(self.q, self.qd, self.target, self._bounds, self._dt, table[1:])
+        return table
+
+    def move(self, target: Array) -> Array:
+        """Steps to `target` (j,) from rest to rest, all joints together. MisuseError while it moves."""
+        self.check_rest()
+        move = JointMove.between(self.q, target, self.shop.kinematics.joints)
+        if not self.shop.mover.joints_are_axes:
+            move, _ = move.within(loads_of(self.shop), self.state.tool)
+        return self._sampled(move.at, move.duration, target)
+
+    def follow(self, vectors: Array) -> Array:
+        """Steps through joint vectors (n, j) without a stop, from rest to rest.
+
+        MisuseError while it moves, and where the smooth way goes beyond a limit.
+        """
+        self.check_rest()
+        joints = self.shop.kinematics.joints
+        spline = JointSpline.through(np.vstack([self.q, vectors]), joints)
+        table = self._sampled(spline.at, spline.duration, vectors[-1])
+        for k in np.flatnonzero(((table < joints.lower) | (table > joints.upper)).any(axis=0)):
+            raise MisuseError(f"the smooth way through these vectors takes {joints.names[k]} beyond its limit")
+        return table
+
+    def _sampled(self, at: Callable[[Array], Array], duration: float, end: Array) -> Array:
+        steps = max(int(np.ceil(duration / self._dt - 1e-9)), 1)
+        table = at(np.arange(steps + 1, dtype=float) * self._dt)
+        table[0], table[-1] = self.q, end
+        return table
+
+    def stand_at(self, q: Array) -> None:
+        """It has come to rest at `q` (j,), which is its target, too."""
+        self.q, self.target = q.copy(), q.copy()
+
+    # ---- steps that wait
+
+    def wait_for(self, table: Array, active: bool | None = None) -> None:
+        """Keep steps that are to be run; `active` is whether the process of the tool is on, if not as before."""
+        on = self.active if active is None else active
+        self.switches.turn(on)
+        events = self.switches.taken()
+        self._waiting.append(Stretched(q=table, state=self.state, span=caller.line(), active=on, events=events))
+
+    def leg(self) -> Plan | None:
+        """The plan of all steps that wait; None if there are none."""
+        stretches = merged(self._waiting)
+        if not stretches:
+            return None
+        return plan_of(stretches, self.shop, self._dt, standing_of(self.shop.cell, self.shop.channel))
+
+    def leg_along(self, path: ToolPath, system: int, active: bool | None, borne: BorneWork | None) -> Plan:
+        """The plan of moves in a work system, as of a program, from where the machine stands, with the tool in hand.
+
+        `active`: whether the process is on all along; None: as the path says, or as it is. `borne` is where work
+        systems are that other machines bear. MisuseError where it would be on without a tool.
+        """
+        shop, tool = self.shop, self.shop.tool(self.state.tool)
+        length = 0.0 if tool is None else tool.true_length
+        state = replace(self.state, system=system, offset=(0.0, 0.0, length, 0.0, 0.0, 0.0), word="G1")
+        n = len(path)
+        zeros = np.zeros(n, dtype=np.int32)
+        on = path.active | self.active if active is None else np.full(n, active)
+        if on.any() and tool is None:
+            raise MisuseError("the path is to be run with the process on, but the robot holds no tool")
+        own = replace(
+            path.transform(shop.placement.work_offsets[system]),
+            active=on,
+            state=zeros,
+            states=(state,),
+            source=zeros,
+            spans=(caller.line(),),
+        )
+        events = [PathEvent(0, event) for event in self.switches.taken()]
+        for row in np.flatnonzero(np.diff(on, prepend=~on[:1])).tolist():
+            events += [PathEvent(row, event) for event in self.switches.turning(bool(on[row]))]
+        return plan_path(
+            replace(own, events=tuple(events)),
+            shop.kinematics,
+            posing_of(shop, borne=borne),
+            home=self.q,
+            duration_of=standing_of(shop.cell, shop.channel),
+            tool_frames={number: each.X_FT for number, each in shop.cell.tools.items()},
+        )
+
+    def standing_plan(self) -> Plan:
+        """A plan of one step in which it stands where it is."""
+        still = Stretched(q=np.vstack([self.q, self.q]), state=self.state, span=caller.line(), active=False)
+        return plan_of([still], self.shop, self._dt, standing_of(self.shop.cell, self.shop.channel))
+
+    def borne_work(self, plans: Mapping[str, Plan]) -> BorneWork | None:
+        """Where the work systems are that other machines bear, at the beginning of their `plans`."""
+        bearers = bearers_of(self.shop, plans)
+        return None if bearers is None else bearers.after_waits((), self.shop.X_WB)
+
+    def forget_waiting(self) -> None:
+        """The steps that waited are about to be run."""
+        self._waiting = []
+
+
+def _bounds(shop: Shop) -> JointBounds:
+    joints = shop.kinematics.joints
+    return JointBounds(
+        np.minimum(np.asarray(joints.speed, dtype=float), _UNLIMITED),
+        np.minimum(np.asarray(joints.acceleration, dtype=float), _UNLIMITED),
+    )
