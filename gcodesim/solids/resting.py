@@ -10,6 +10,7 @@ import numpy as np
 from gcodesim.frames import Array
 from gcodesim.frozen import frozen
 from gcodesim.solids.mesh_file import Faces, Triangles
+from gcodesim.solids.resting_kernels import extreme_heights
 
 LINES: Final = 24
 """Vertical lines along each side of the body's outline seen from above; its corners have a line each besides."""
@@ -67,24 +68,9 @@ def _extreme(points: Array, faces: Faces, lines: Array, *, highest: bool, below:
 
     Lines that meet none have -inf or inf.
     """
-    a, b, c = (points[faces[:, k]] for k in range(3))
-    e, f = b - a, c - a
-    area = e[:, 0] * f[:, 1] - e[:, 1] * f[:, 0]
-    flat = np.abs(area) > 1e-18
-    a, e, f, area = a[flat], e[flat], f[flat], area[flat]
-    result = np.full(len(lines), -np.inf if highest else np.inf)
-    bunch = max(1, 2_000_000 // max(len(a), 1))
-    for first in range(0, len(lines), bunch):
-        rows = slice(first, first + bunch)
-        d = lines[rows, None] - a[None, :, :2]
-        u = (d[..., 0] * f[:, 1] - d[..., 1] * f[:, 0]) / area
-        v = (e[:, 0] * d[..., 1] - e[:, 1] * d[..., 0]) / area
-        z = a[:, 2] + u * e[:, 2] + v * f[:, 2]
-        inside = (u >= -1e-9) & (v >= -1e-9) & (u + v <= 1.0 + 1e-9)
-        if below is not None:
-            inside &= z <= below[rows, None]
-        if highest:
-            result[rows] = np.where(inside, z, -np.inf).max(axis=1, initial=-np.inf)
-        else:
-            result[rows] = np.where(inside, z, np.inf).min(axis=1, initial=np.inf)
-    return result
+    up_to = np.full(len(lines), np.inf) if below is None else below
+    found = np.empty(len(lines))
+    extreme_heights(
+        np.ascontiguousarray(points), np.ascontiguousarray(faces, dtype=np.int64), lines, up_to, highest, found
+    )
+    return found
