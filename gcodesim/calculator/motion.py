@@ -98,8 +98,7 @@ class RoundedCorner(Model):
             turn = pi - self.included_angle
         if not 0.0 < turn < pi:
             raise CannotComputeError(f"the path turns by {turn / DEG:g} deg; a corner is above 0 and below 180 deg")
-        room = 1e6  # lines that end nowhere near
-        radius = float(corner_radius(turn, 0.0, 1.0, 0.0, 1.0, self.tolerance, room, room, inf))
+        radius = float(corner_radius(0.5 * (pi - turn), self.tolerance, inf, inf))  # lines that end nowhere near
         fast = sqrt(self.acceleration * radius)
         in_run = sqrt(cos(30.0 * DEG)) * fast
         return {"corner_radius": radius, "corner_speed": min(fast, self.feed), "run_speed": min(in_run, self.feed)}

@@ -2,9 +2,10 @@
 
 The rules are those of LinuxCNC's planner: G61.1 stands at every end point; G61
 passes joints that are tangent or nearly so and stands at all others; G64 P puts an
-arc into corners of lines, and where none fits (a reversal, rotary axes, arcs) the
-end of one block overlaps with the start of the next. With P or Q, chords within
-that distance of one line become one line.
+arc into corners of lines and arcs, and where none fits (rotary axes, helices, arcs
+under a narrow angle) the end of one block overlaps with the start of the next. Where
+the path turns back it stands in all modes. With P or Q, chords within that distance
+of one line become one line.
 
 In G64 the last block before the queue runs empty (the end, a dwell, M8) has half of its acceleration in both ramps,
 even one that stands alone: LinuxCNC 2.9 halves it for every segment that ends in "blend", also where nothing follows

@@ -11,7 +11,7 @@ from gcodesim.arithmetic.atan_kernels import acos, atan2
 from gcodesim.arithmetic.sin_kernels import cos, cos_sin, sin, tan
 from gcodesim.compiled import kernel
 from gcodesim.motion.columns import Column
-from gcodesim.motion.corner_kernels import corner_center, corner_radius, way_from_corner
+from gcodesim.motion.corner_kernels import corner_center, corner_radius, part_for_corner, way_from_corner
 from gcodesim.motion.curve_kernels import ACCELERATION, ROUND, SPEED, STRAIGHT, CurveColumns
 
 # Constants of the motion planner. They are those of LinuxCNC 2.9, measured on its own planner.
@@ -28,10 +28,18 @@ KINK_SHARE: Final = 0.1
 CYCLE: Final = 1e-3  # [s]
 # The last block before the queue runs empty in G64, and blocks that overlap, use this share, in both their ramps.
 OPEN_END_SHARE: Final = 0.5
-# G64 without P rounds corners within this share of the shorter block.
+# G64 rounds corners within this share of the shorter block, with P too.
 TOLERANCE_SHARE: Final = 0.25
-# A corner sharper than this angle to a full reversal gets no arc [rad].
-SHARPEST_CORNER: Final = 0.02
+# A corner takes at most this share of an arc that ends there, and of one that begins there.
+ENDING_SHARE: Final = 2.0 / 3.0
+BEGINNING_SHARE: Final = 1.0 / 3.0
+# Two arcs whose tangents, or secants, meet under less than twice this angle [rad] overlap.
+NARROWEST_OF_ARCS: Final = math.pi / 12.0
+ROUNDING: Final = 1e-6  # by which a corner may miss its point, and take of its curves, more than it may
+# Where a path turns back to within this angle [rad] the machine stands at the end of the block, also in G64:
+# `tpSetupTangent` in tp.c calls it a sharp corner. The cosine from there on, of that angle by the sum of the tangents.
+TURNED_BACK: Final = math.radians(2.0)
+REVERSAL: Final = 0.5 * TURNED_BACK * TURNED_BACK - 1.0
 # Chords that are merged into one line.
 LONGEST_CHAIN: Final = 100
 
@@ -230,33 +238,51 @@ def round_corner(
     last = tangents.last
     across, normal = room[0], room[1]
     turn = acos(min(max(cosine, -1.0), 1.0))
-    if turn >= math.pi - SHARPEST_CORNER:
-        return OVERLAPPED
     axes_of_corner(i, cosine, tangents, across, normal)
     r1, side1 = bend_of(i, normal, True, curves)
     r2, side2 = bend_of(i + 1, normal, False, curves)
     if r1 < 0.0 or r2 < 0.0:
         return OVERLAPPED
+    # half of the angle between the curves, and the ways to both sides of the corner
+    half = 0.5 * (math.pi - turn)
+    length1, length2 = curves.length[i], curves.length[i + 1]
+    left = length1 - joints.trim_start[i]
+    way1, most1, narrower1 = min(left, 0.5 * length1), left, 0.0
+    if r1 > 0.0:
+        most1, way1, narrower1 = part_for_corner(r1, side1, ENDING_SHARE * left / r1, half)
+        most1 *= r1
+    way2, most2, narrower2 = 0.5 * length2, length2, 0.0
+    if r2 > 0.0:
+        most2, way2, narrower2 = part_for_corner(r2, side2, BEGINNING_SHARE * length2 / r2, half)
+        most2 *= r2
+    half -= max(narrower1, narrower2)
+    if r1 > 0.0 and r2 > 0.0 and half < NARROWEST_OF_ARCS:
+        return OVERLAPPED
+    missed = TOLERANCE_SHARE * min(length1, length2)
+    for j in (i, i + 1):
+        if tolerance[j] > 0.0:
+            missed = min(missed, tolerance[j])
     most = in_plane(normal[0], normal[1], normal[2], axis_limits[ACCELERATION])
     a_n = NORMAL_SHARE * most
-    length1, length2 = curves.length[i], curves.length[i + 1]
-    p1 = tolerance[i] if tolerance[i] > 0.0 else TOLERANCE_SHARE * length1
-    p2 = tolerance[i + 1] if tolerance[i + 1] > 0.0 else TOLERANCE_SHARE * length2
+    space = corner_radius(half, missed, way1, way2)
     v = min(reach, turned_speed(last[i], across, turn, axis_limits[SPEED]))
+    v = min(v, math.sqrt(a_n * space))
+    if v <= kink_speed:
+        return PASS
     # not larger than the speed needs, but as long as two ramps to rest at half the acceleration would be
     ramp = TANGENTIAL_SHARE * most
-    enough = max(v * v / a_n, v * v / (ramp * turn))
-    space = corner_radius(turn, r1, side1, r2, side2, min(p1, p2), 0.5 * length1, 0.5 * length2, enough)
-    v = min(v, math.sqrt(a_n * space))
-    slowed = min(v, math.sqrt(2.0 * ramp * space * tan(0.5 * turn)))
-    radius = max(v * v / a_n, min(space, v * slowed / (ramp * turn)))
-    if v <= kink_speed or radius <= 0.0:
-        return PASS
+    slowed = min(v, math.sqrt(2.0 * ramp * space / tan(half)))
+    radius = max(v * v / a_n, min(space, v * slowed / (ramp * (math.pi - 2.0 * half))))
+    x, y = corner_center(turn, r1, side1, r2, side2, radius)
+    trim1, trim2 = -way_from_corner(x, y, 0.0, r1, side1), way_from_corner(x, y, turn, r2, side2)
+    more = 1.0 + ROUNDING
+    near = math.sqrt(x * x + y * y) - radius <= missed * more  # false where there is no such circle
+    if not (near and 0.0 <= trim1 <= most1 * more and 0.0 <= trim2 <= most2 * more):
+        return OVERLAPPED
+    trim1, trim2 = min(trim1, most1), min(trim2, most2)
     joints.cap[i] = v
     joints.acceleration[i] = most
-    x, y = corner_center(turn, r1, side1, r2, side2, radius)
-    joints.trim_end[i] = -way_from_corner(x, y, 0.0, r1, side1)
-    joints.trim_start[i + 1] = way_from_corner(x, y, turn, r2, side2)
+    joints.trim_end[i], joints.trim_start[i + 1] = trim1, trim2
     # directions of the path, as angles from X, where the arc begins and ends
     begin = 0.0 if r1 == 0.0 else -side1 * joints.trim_end[i] / r1
     leave = turn if r2 == 0.0 else turn + side2 * joints.trim_start[i + 1] / r2
@@ -296,6 +322,8 @@ def corners(
                 joints.kind[i] = OVERLAPPED
             continue
         kink, cosine = step_of_direction(i, tangents, axis_limits)
+        if cosine < REVERSAL:
+            continue  # a stop of the program's own: it takes nothing of the acceleration
         reach = max(speed[i], speed[i + 1])
         reduction = joints.reduction
         if kink * reach <= KINK_SHARE:
@@ -329,7 +357,8 @@ def overlaps(
 
     `left` is what corner arcs leave of each curve, `acceleration` already the
     share that such blocks have. Both ramps last T; the corner is missed by
-    v² cos t / (4 a), with half included angle t, which P limits.
+    v² cos t / (4 a), with half included angle t, which P limits. Where the tip stands in one of the two curves and only
+    rotary axes turn, no corner is missed.
     """
     first, last = tangents
     for i in range(len(left) - 1):
@@ -341,11 +370,13 @@ def overlaps(
         ramp = min(min(left[i] / v1, left[i + 1] / v2), max(v1 / a1, v2 / a2))
         v1, v2 = min(v1, ramp * a1), min(v2, ramp * a2)
         if tolerance[i] > 0.0:
-            cosine = 0.0
+            cosine, before, behind = 0.0, 0.0, 0.0
             for k in range(3):
                 cosine += last[i, k] * first[i + 1, k]
+                before += last[i, k] * last[i, k]
+                behind += first[i + 1, k] * first[i + 1, k]
             sharp = math.sqrt(max(0.5 * (1.0 - cosine), 0.0))  # cosine of half the included angle
-            if sharp > 1e-3:
+            if sharp > 1e-3 and before > 0.0 and behind > 0.0:
                 most = 2.0 * math.sqrt(a1 * tolerance[i] / sharp)
                 v1, v2 = min(v1, most), min(v2, most)
         ramp = v1 / a1

@@ -10,10 +10,8 @@ from __future__ import annotations
 import math
 
 from gcodesim.arithmetic.atan_kernels import atan2
-from gcodesim.arithmetic.sin_kernels import cos_sin, sin, tan
+from gcodesim.arithmetic.sin_kernels import cos, cos_sin, sin, tan
 from gcodesim.compiled import kernel
-
-HALVINGS = 40
 
 
 @kernel
@@ -71,34 +69,26 @@ def way_from_corner(x: float, y: float, angle: float, r: float, side: float) -> 
 
 
 @kernel
-def corner_radius(
-    turn: float,
-    r1: float,
-    side1: float,
-    r2: float,
-    side2: float,
-    tolerance: float,
-    room1: float,
-    room2: float,
-    most: float,
-) -> float:
-    """The greatest radius up to `most` that misses the corner by `tolerance` at most and fits into its room."""
-    if r1 == 0.0 and r2 == 0.0:
-        half = 0.5 * (math.pi - turn)
-        s = sin(half)
-        radius = min(most, min(room1, room2) * tan(half))
-        return min(radius, tolerance * s / (1.0 - s)) if s < 1.0 else radius
-    low, high = 0.0, most
-    for _ in range(HALVINGS):
-        radius = 0.5 * (low + high)
-        x, y = corner_center(turn, r1, side1, r2, side2, radius)
-        fits = not math.isnan(x)
-        if fits:
-            trim1 = -way_from_corner(x, y, 0.0, r1, side1)
-            trim2 = way_from_corner(x, y, turn, r2, side2)
-            fits = math.sqrt(x * x + y * y) - radius <= tolerance and 0.0 <= trim1 <= room1 and 0.0 <= trim2 <= room2
-        if fits:
-            low = radius
-        else:
-            high = radius
-    return low
+def corner_radius(half: float, tolerance: float, way1: float, way2: float) -> float:
+    """Radius of the arc that misses the corner of two lines by `tolerance`; between them is the angle 2 `half` [rad].
+
+    R = P s / (1 - s) with s = sin(half); it begins and ends at most `way1` and `way2` from the corner.
+    """
+    s, way = sin(half), min(way1, way2)
+    if s < 1.0:
+        way = min(way, cos(half) * tolerance / (1.0 - s))
+    return way * tan(half)
+
+
+@kernel
+def part_for_corner(r: float, side: float, angle: float, half: float) -> tuple[float, float, float]:
+    """What a corner may take of an arc of radius `r` that has `angle` [rad] to give.
+
+    Of an arc that bends into the corner it is the angle 2 `half` of its tangents that limits it, and its secant stands
+    for it. Gives the greatest angle [rad], the way along tangent or secant, and by how much that narrows `half`.
+    """
+    if side > 0.0:
+        most = min(angle, half)
+        return most, sin(0.25 * most) * r, 0.25 * most
+    most = min(angle, 0.5 * math.pi)
+    return most, most * r, 0.0

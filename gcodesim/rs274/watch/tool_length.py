@@ -88,7 +88,9 @@ class MoveWithoutLength(Watch):
         self._own = 0.0
         self._machine = False  # the block at hand moves in machine coordinates
         self._added = 0.0  # [m] of the offset in force: with it Z is that of the machine
-        self._z: float | None = None  # None before the first move, which may start anywhere
+        self._at: canon.Point | None = None  # [m] X, Y, Z; None before the first move, which may start anywhere
+        self._tip = False  # the control holds the tip, so that X, Y, Z are those of the work
+        self._up: canon.Point = (0.0, 0.0, 1.0)  # along the tool; it leans with a plane on which the tool stands
         self._at_home = False  # the last move of Z was one to a place of the machine
         self._found: list[Diagnostic] = []
 
@@ -110,12 +112,13 @@ class MoveWithoutLength(Watch):
             else:
                 self._length_of = None
         self._machine = words.g.get(NON_MODAL) in (530, 280, 300)
+        self._up = control.normal(2) if control.state.point_control else (0.0, 0.0, 1.0)
 
     def settled(self, words: Words, control: Control) -> None:
         self._machine = False
 
     def doubt(self, doubt: Doubt) -> None:
-        self._z = None
+        self._at = None
         if not doubt.letters.isdisjoint("th") or doubt.may_say("m6", "g43", "g44", "g49", "g43.1", "g43.2", "g43.4"):
             self._pending = None
             self._at_home = True
@@ -123,11 +126,14 @@ class MoveWithoutLength(Watch):
     def event(self, event: canon.Event) -> None:
         if isinstance(event, canon.ToolOffset):
             self._added = event.offset[2]
+        if isinstance(event, canon.PointControl):
+            self._tip = event.on
+            self._at = self._place(event.at)
         if not isinstance(event, canon.Move):
             return
-        before, self._z = self._z, event.end[2] + self._added
+        before, self._at = self._at, self._place(event.end)
         of_machine = self._machine or (isinstance(event, canon.Rapid) and event.word in ("G28", "G30"))
-        climbs = before is not None and abs(self._z - before) > TINY
+        climbs = before is not None and abs(self._climb(before, self._at)) > TINY
         if climbs or before is None:
             self._at_home = of_machine
         if self._pending is None or of_machine:
@@ -136,6 +142,13 @@ class MoveWithoutLength(Watch):
             self._pending = None
         elif climbs or (isinstance(event, FEEDS) and not self._at_home):
             self._report(event.span)
+
+    def _place(self, end: canon.Axes) -> canon.Point:
+        """Where the spindle stands, whatever the length: with the tip held, X, Y, Z are told anew when that changes."""
+        return (end[0], end[1], end[2] if self._tip else end[2] + self._added)
+
+    def _climb(self, start: canon.Point, end: canon.Point) -> float:
+        return sum(up * (b - a) for up, a, b in zip(self._up, start, end, strict=True))
 
     def _report(self, span: Span) -> None:
         assert self._pending is not None
@@ -163,7 +176,8 @@ class MoveWithoutLength(Watch):
     def moves(self, batch: MoveBatch) -> None:
         rest = self.singly_until(batch, lambda: self._pending is None)
         if len(rest):
-            self._z, self._at_home = float(rest.end[-1, 2]) + self._added, False
+            x, y, z, a, b, c = rest.end[-1].tolist()
+            self._at, self._at_home = self._place((x, y, z, a, b, c)), False
 
     def findings(self, *, finished: bool) -> Iterable[Diagnostic]:
         return self._found if self._uses else ()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import pi, sqrt
+from math import cos, pi, sin, sqrt
 
 import numpy as np
 import pytest
@@ -14,6 +14,7 @@ from gcodesim.motion.blend import along_limits, blend
 from gcodesim.motion.blend_kernels import NORMAL_SHARE, OPEN_END_SHARE, TANGENTIAL_SHARE, in_plane, merge_chords
 from gcodesim.motion.curves import Curves
 from gcodesim.motion.pieces import OVERLAP, AxisLimits, Pieces
+from gcodesim.motion.timing import time_law
 
 MM = 1e-3
 LIMITS = AxisLimits(
@@ -104,13 +105,68 @@ def test_rapids_are_not_joined_to_feeds() -> None:
     assert pieces.acceleration == pytest.approx([3.0, 3.0, 3.0 * OPEN_END_SHARE])
 
 
-def test_a_reversal_overlaps_and_misses_its_end_by_the_tolerance() -> None:
-    tolerance = 0.05 * MM
-    pieces = joined(mode("blend", tolerance), line(0.05), line(0.0))
+@pytest.mark.parametrize("tolerance", [0.0, 0.05 * MM])
+def test_a_way_back_begins_at_rest_in_g64_too(tolerance: float) -> None:
+    """Within 2 degrees of a reversal; measured on LinuxCNC: 30 mm and back at 100 mm/s and 3 m/s², P 0.1: 1.037 s."""
+    back = joined(mode("blend", tolerance), line(0.03), line(0.0, 0.0005), line(0.03, 0.001))
 
-    assert pieces.kind.tolist() == [0, OVERLAP, 0]
-    farthest = pieces.points(np.array([1]), pieces.length[1:2] / 2)[0][0, 0]
-    assert 0.05 - farthest == pytest.approx(tolerance, rel=1e-9)
+    assert back.kind.tolist() == [0, 0, 0]
+    assert back.junction.tolist() == [0.0, 0.0, 0.0]
+    # only the last block before the queue runs empty has less of its acceleration
+    assert back.acceleration == pytest.approx([3.0, 3.0, 3.0 * OPEN_END_SHARE], rel=1e-3)
+
+
+def test_a_sharp_corner_of_five_degrees_is_rounded() -> None:
+    assert joined(mode("blend", 0.05 * MM), line(0.03), line(0.0, 0.0026)).joint.tolist() == [False, True, False]
+
+
+def test_a_corner_is_missed_by_a_quarter_of_the_shorter_block_at_most_though_p_allows_more() -> None:
+    """R = P s / (1 - s) with P = a quarter of 0.2 mm, not 0.1 mm; s of 60 degrees between the blocks."""
+    pieces = joined(mode("blend", 0.1 * MM), line(0.05), line(0.05 - 0.1 * MM, 0.1 * sqrt(3.0) * MM))
+
+    expected = 0.05 * MM * 0.5 / (1 - 0.5)
+    assert np.linalg.norm(pieces.curves.radial[pieces.curve[1]]) == pytest.approx(expected)
+
+
+def arc(end: tuple[float, float], centre: tuple[float, float], *, ccw: bool, sweep: float) -> ArcFeed:
+    full: Axes = (*end, 0.0, 0.0, 0.0, 0.0)
+    return ArcFeed(
+        span=at(), end=full, center=(*centre, 0.0), normal=(0.0, 0.0, 1.0), ccw=ccw, turns=1, sweep=sweep, feed=0.1
+    )
+
+
+@pytest.mark.parametrize(
+    ("radius", "tolerance", "seconds"), [(10.0, 0.02, 0.717), (10.0, 0.2, 0.665), (10.0, 1.0, 0.583)]
+)
+def test_corners_of_arcs_take_as_long_as_on_linuxcnc(radius: float, tolerance: float, seconds: float) -> None:
+    """Three quarter circles that meet under 90 degrees at 100 mm/s and 3 m/s²; 3 ms of its times are waits."""
+    chord = radius * sqrt(2.0) * MM
+    arcs = [arc((chord * k, 0.0), (chord * (k - 0.5), 0.5 * chord), ccw=True, sweep=pi / 2) for k in (1, 2, 3)]
+    found = time_law(joined(mode("blend", tolerance * MM), *arcs))
+
+    assert found.duration == pytest.approx(seconds - 0.003, abs=0.002)
+
+
+@pytest.mark.parametrize(("between", "overlap"), [(20.0, True), (60.0, False)])
+def test_arcs_that_meet_under_a_narrow_angle_overlap(between: float, overlap: bool) -> None:
+    """Under less than 30 degrees; both then have half of their acceleration all along."""
+    first = arc((0.01, 0.01), (0.0, 0.01), ccw=True, sweep=pi / 2)  # comes up along Y
+    w = between * pi / 180.0
+    x, y = 0.01 + 0.01 * cos(w), 0.01 + 0.01 * sin(w)  # the second goes down, by that much to the right
+    behind = arc((x - 0.01 * cos(w + pi / 3), y - 0.01 * sin(w + pi / 3)), (x, y), ccw=True, sweep=pi / 3)
+
+    pieces = joined(mode("blend", 0.05 * MM), first, behind)
+
+    assert pieces.kind.tolist() == [0, OVERLAP if overlap else 0, 0]
+    assert pieces.joint.tolist() == [False, True, False]
+
+
+def test_p_does_not_slow_what_only_turns() -> None:
+    """No corner of the tip's path is cut: A by 30 and C by 90 degrees at 150 deg/s take as long with P as without."""
+    events = (line(0.0, a=0.5, feed=2.5), line(0.01, a=0.5, feed=0.1))
+    wide, narrow = (time_law(joined(mode("blend", p * MM), *events)).duration for p in (100.0, 0.001))
+
+    assert narrow == pytest.approx(wide, rel=1e-9)
 
 
 def test_rotary_moves_overlap_in_g64_and_stand_in_g61() -> None:

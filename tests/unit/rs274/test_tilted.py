@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from gcodesim.cell import load_cell
+from gcodesim.cell.loader import read_cell
 from gcodesim.diagnostics import SourceText
 from gcodesim.jobs.job import Options
 from gcodesim.simulation import prepare
@@ -146,3 +147,21 @@ def test_a_machine_that_cannot_turn_so_far_says_so(fanuc):
 
     assert [f.code for f in fanuc(*lines, has_cell=True, tool_point=MachinePoint(tool)).errors] == ["GS106"]
     assert [f.code for f in fanuc(*lines, has_cell=True).errors] == ["GS915"]
+
+
+LENGTH = ("G21 G90 G40 G80 G94 G17", "T1 M6", "S5000 M3", "G68.2 X0 Y0 Z0 I90. J30. K0.", "G53.1")
+
+
+@pytest.mark.parametrize(
+    ("moves", "found"),
+    [
+        (("G0 X-20. Y-20.", "G43 Z50. H1", "G1 Z2. F300."), []),  # sideways to the tool, as in G17
+        (("G0 X-20. Y-20.", "Z50.", "G43 H1", "G1 Z2. F300."), [("GS162", 9)]),
+        (("G43 H1", "G0 Z50.", "G69", "G49", "T1 M6", "G0 X5. Y5."), []),  # the plane is over, Z is that of the machine
+    ],
+)
+def test_a_tool_that_stands_on_a_plane_may_go_sideways_without_its_length(moves, found):
+    text = "%\nO0001\n" + "\n".join((*LENGTH, *moves, "G49", "G69", "M5", "M30")) + "\n%\n"
+    cell = SourceText("cell.yaml", CELL.encode())
+    job = prepare(SourceText("part.nc", text.encode()), read_cell(cell, Path("cell.yaml")), Options())
+    assert [(f.code, f.span.line) for f in job.findings if f.code == "GS162"] == found
