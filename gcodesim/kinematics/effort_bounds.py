@@ -7,7 +7,7 @@ from typing import Final
 
 import numpy as np
 
-from gcodesim.arithmetic.matrices import applied, norms
+from gcodesim.arithmetic.matrices import norms
 from gcodesim.frames import Array
 from gcodesim.frozen import frozen
 from gcodesim.kinematics.chain import Chain, Inertial
@@ -31,13 +31,6 @@ class EffortBounds:
     weight: Array
     inertia: Array
     swing: Array
-
-    def at(self, qd: Array, qdd: Array, gravity: float) -> Array:
-        """The greatest efforts (n, j) [N·m] of motions with the sizes of `qd` and `qdd` (n, j), in both directions."""
-        speed = np.square(np.abs(qd).sum(axis=1))
-        turning = applied(self.inertia, np.abs(qdd))
-        bound: Array = ROUNDING * (gravity * self.weight + turning + speed[:, None] * self.swing)
-        return bound
 
 
 @lru_cache(maxsize=32)
