@@ -212,9 +212,10 @@ def _forces(
     """Forces on the elements that are in material at `at` (2,), scaled so that their chips have the `section` [m²].
 
     (uz, ur) is the unit vector along the feed. Adds `part` of them to out: FX, FY, FZ, TORQUE, MAIN, FEEDING, PASSIVE;
-    CHIP becomes the thickest chip. Returns the share of the chips that edges take which should not.
+    CHIP becomes the thickest chip. Returns the share of the volume that edges take which should not: a chip farther
+    from the axis is a longer one.
     """
-    chips, wrong, feed = 0.0, 0.0, turn_feed / blade.teeth
+    chips, volume, wrong, feed = 0.0, 0.0, 0.0, turn_feed / blade.teeth
     for e in range(len(blade.elements)):
         element = blade.elements[e]
         h = feed * (element[2] * uz + element[3] * ur)
@@ -222,8 +223,10 @@ def _forces(
             continue
         if _is_in_work(lathe, element, at):
             chips += h * element[4]
+            round_once = h * element[4] * abs(at[1] + element[1])
+            volume += round_once
             if element[5] == 0.0 and (blade.behind == 0.0 or uz * blade.behind < -LEANING):
-                wrong += h * element[4]
+                wrong += round_once
     if chips <= 0.0:
         return 0.0
     scale = section / blade.teeth / chips
@@ -255,7 +258,7 @@ def _forces(
             out[FY] -= part * tangential
             out[FX] += part * fr
             out[PASSIVE] += part * (fr * uz - fz * ur)
-    return wrong / chips
+    return wrong / volume if volume > 0.0 else 0.0
 
 
 @kernel(lean=True)

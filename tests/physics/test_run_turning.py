@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import json
-from math import pi, radians, sin, tan
+from math import cos, pi, radians, sin, tan
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from tests.physics.runs import run_texts
@@ -84,6 +85,26 @@ def test_the_back_edge_of_a_wide_insert_gouges_on_a_steep_slope() -> None:
     gouges = [f for f in found["CNMG120404"].results.findings if f.code == "GS431"]
     assert [f.span.line for f in gouges] == [7]
     assert "GS431" not in codes(found["VBMT160404"])
+
+
+def test_what_a_back_edge_takes_is_what_lies_between_its_way_and_that_of_the_tip() -> None:
+    """A sharp tip falls by 31 deg; by Pappus, the parallelogram of back edge and way, less what is air before."""
+    program = HEAD + "G97 S1000 M3\nG95 F0.2\nG0 X36 Z2\nG1 Z-10\nX24 Z-20\nG0 X60\nM5\nM2\n"
+    tool = "1: {type: turning_tool, nose_radius: 0, tip_angle: 80 deg, lead_angle: 95 deg, edge: 9 mm}"
+    ran = run_texts(program, cell_of("cylinder: [40, 60], xyz: [0, 0, -60]", tool))
+
+    tip = np.array([[-10.0, 18.0], [-20.0, 12.0]])
+    edge = 9.0 * np.array([cos(radians(5.0)), sin(radians(5.0))])
+    corners = np.array([tip[0], tip[1], tip[1] + edge, tip[0] + edge])
+    z, r = np.meshgrid(np.arange(-20.0, 0.0, 0.01) + 0.005, np.arange(12.0, 18.0, 0.01) + 0.005, indexing="ij")
+    within = np.ones(z.shape, dtype=bool)
+    for a, b in zip(corners, np.roll(corners, -1, axis=0), strict=True):
+        within &= (b[0] - a[0]) * (r - a[1]) >= (b[1] - a[1]) * (z - a[0])
+    wanted = 2.0 * pi * float(r[within].sum()) * 1e-4
+
+    gouges = [f for f in ran.results.findings if f.code == "GS431"]
+    assert [f.span.line for f in gouges] == [7]
+    assert gouges[0].value == pytest.approx(wanted, rel=0.02)
 
 
 def test_tools_in_the_chuck_and_shanks_in_the_work_are_found() -> None:
