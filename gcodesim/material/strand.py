@@ -50,8 +50,8 @@ def lay_strand(stock: Stock, strand: FilamentStrand, carry: Array) -> Laid:
     ways = np.ascontiguousarray(np.hstack([strand.starts, strand.ends]))
     volumes = np.ascontiguousarray(strand.volumes)
     sizes = np.ascontiguousarray(np.column_stack([strand.widths, strand.heights]))
-    done = 0
-    while (done := lay(stock.field, ways, volumes, sizes, carry, done, laid)) < count:
+    floor, done = float(stock.z_range[0]), 0
+    while (done := lay(stock.field, ways, volumes, sizes, carry, floor, done, laid)) < count:
         stock.grow()
     return laid
 
@@ -62,5 +62,5 @@ def carried(stock: Stock, starts: Array, ends: Array, width: float, height: floa
 
     found = np.zeros(len(starts))
     ways = np.ascontiguousarray(np.hstack([starts, ends]))
-    support_of(stock.field, ways, width, height, found)
+    support_of(stock.field, ways, width, height, float(stock.z_range[0]), found)
     return found

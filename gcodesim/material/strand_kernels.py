@@ -39,11 +39,15 @@ TINY = 1.0e-15  # [m³]
 
 
 class Nozzle(NamedTuple):
-    """What the nozzle is set to: nominal `width` and `height` of its bead; it fuses with what is nearer than `fuse`."""
+    """What the nozzle is set to: nominal `width` and `height` of its bead; it fuses with what is nearer than `fuse`.
+
+    `floor` is the underside of the stock, above which beads lie.
+    """
 
     width: float
     height: float
     fuse: float
+    floor: float
 
 
 class Laid(NamedTuple):
@@ -131,13 +135,21 @@ def cell_of(field: Field, x: float, y: float) -> tuple[int, int]:
 
 
 @kernel
-def carries(field: Field, x: float, y: float, tip: float, height: float) -> int:
-    """1 if something lies under a bead of `height` at (x, y), its own layer left out, else 0; -1 beside the stock."""
+def carries(field: Field, x: float, y: float, tip: float, nozzle: Nozzle) -> int:
+    """1 if something lies under a bead at (x, y), its own layer left out, else 0; -1 beside the stock.
+
+    A bed that is thinner than the bead may lie within its layer, where the nozzle is pressed down.
+    """
     i, j = cell_of(field, x, y)
     nx, ny = field.columns.number.shape
     if i < 0 or j < 0 or i >= nx or j >= ny:
         return -1
-    return 1 if is_between(field.columns, i, j, tip - DEEPEST * height, tip - UNDER * height) else 0
+    under = tip - UNDER * nozzle.height
+    if is_between(field.columns, i, j, tip - DEEPEST * nozzle.height, under):
+        return 1
+    lo, _, count = field.columns
+    stands = count[i, j] > 0 and abs(lo[i, j, 0] - nozzle.floor) <= nozzle.fuse
+    return 1 if stands and nozzle.floor >= under else 0
 
 
 @kernel
@@ -146,12 +158,12 @@ def is_carried(field: Field, start: Array, end: Array, nozzle: Nozzle, width: fl
     x, y, tip = 0.5 * (start[0] + end[0]), 0.5 * (start[1] + end[1]), 0.5 * (start[2] + end[2])
     dx, dy = end[0] - start[0], end[1] - start[1]
     length = math.sqrt(dx * dx + dy * dy)
-    middle = carries(field, x, y, tip, nozzle.height)
+    middle = carries(field, x, y, tip, nozzle)
     if middle > 0 or length == 0.0:
         return middle != 0
     ox, oy = -dy / length * width / 3.0, dx / length * width / 3.0
-    left = carries(field, x + ox, y + oy, tip, nozzle.height)
-    right = carries(field, x - ox, y - oy, tip, nozzle.height)
+    left = carries(field, x + ox, y + oy, tip, nozzle)
+    right = carries(field, x - ox, y - oy, tip, nozzle)
     return left > 0 or right > 0 or (middle < 0 and left < 0 and right < 0)
 
 
@@ -403,20 +415,22 @@ def lay_blob(field: Field, at: Array, volume: float, nozzle: Nozzle, before: flo
 
 
 @kernel
-def lay(field: Field, ways: Array, volumes: Array, sizes: Array, carry: Array, first: int, laid: Laid) -> int:
+def lay(
+    field: Field, ways: Array, volumes: Array, sizes: Array, carry: Array, floor: float, first: int, laid: Laid
+) -> int:
     """Lay pieces `first`… in order; the index of the piece that found no room, or their number.
 
     ways (c, 6): start and end of the nozzle tip in S [m]; volumes (c,) [m³], none where it is not positive; sizes
-    (c, 2): nominal width and height [m]; carry (5,): where the last piece ended, the height of its strand, and what has
-    come out since the nozzle stands there. A blob's support and width are 0. To go on after a stop, give the columns
-    more room and call again.
+    (c, 2): nominal width and height [m]; `floor` is the underside of the stock; carry (5,): where the last piece ended,
+    the height of its strand, and what has come out since the nozzle stands there. A blob's support and width are 0. To
+    go on after a stop, give the columns more room and call again.
     """
     pieces = len(ways)
     for p in range(first, pieces):
         start, end = ways[p, :3], ways[p, 3:]
         if volumes[p] <= 0.0:
             continue
-        nozzle = Nozzle(sizes[p, 0], sizes[p, 1], 1.0e-9)
+        nozzle = Nozzle(sizes[p, 0], sizes[p, 1], 1.0e-9, floor)
         goes_on = np.max(np.abs(carry[:3] - start)) < AT_REST
         if np.max(np.abs(end - start)) < AT_REST:
             before = carry[4] if goes_on else 0.0

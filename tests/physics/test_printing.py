@@ -10,7 +10,7 @@ from gcodesim.canon import Extrude
 from gcodesim.canon.printing import MotionLimits
 from gcodesim.diagnostics import Span
 from gcodesim.material.stock import Stock
-from gcodesim.material.strand import CARRY, FilamentStrand, lay_strand
+from gcodesim.material.strand import CARRY, FilamentStrand, carried, lay_strand
 from gcodesim.motion.printer_law import filament_time
 from gcodesim.rs274.marlin.limits import MARLIN_LIMITS
 from gcodesim.units import MM, MM3
@@ -55,6 +55,25 @@ def test_volume_is_conserved_whatever_the_bead(width, height, flow):
 
     assert laid.volume.sum() == pytest.approx(section * 30.0 * MM3, rel=1e-9)
     assert laid.support.all()
+
+
+@pytest.mark.parametrize("gap", [0.0, 1.0, 2.0, 3.0])
+@pytest.mark.parametrize("paste", [False, True])
+def test_a_bed_that_is_thinner_than_the_bead_carries_it(gap, paste):
+    """Also where the nozzle is pressed down, so that the bed lies within the bead's own layer; not beside a hole."""
+    stock = Stock.box((-5 * MM, -10 * MM, -1 * MM), (35 * MM, 10 * MM, 0.0), 0.25 * MM)
+    stock.field.columns.number[80:] = 0  # from X15 on
+    points = np.column_stack([np.linspace(0.0, 30.0, 61), np.zeros(61), np.full(61, gap)]) * MM
+    starts, ends = points[:-1], points[1:]
+    if paste:
+        support = carried(stock, starts, ends, 6 * MM, 3 * MM)
+    else:
+        sizes = np.full(60, 6 * MM), np.full(60, 3 * MM)
+        support = lay_strand(
+            stock, FilamentStrand(starts, ends, np.full(60, 8.0 * MM3), *sizes), np.full(CARRY, np.inf)
+        ).support
+
+    assert support[:29].all() and not support[31:].any()
 
 
 @pytest.mark.parametrize("gap", [2.0, 3.0, 4.0])
