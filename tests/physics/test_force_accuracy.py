@@ -116,7 +116,7 @@ def test_a_tool_that_rises_along_a_floor_that_rises_feels_only_what_it_cuts():
     compare(cutter, way, passes, (0.6, 0.95), 0.03, 0.07)
 
 
-@pytest.mark.parametrize("side", [1.0, -1.0])
+@pytest.mark.parametrize("side", [1.0, pytest.param(-1.0, marks=pytest.mark.slow)])
 @pytest.mark.parametrize(("slope", "width"), [(3.0, 1e-3), (3.0, 2.7e-3), (15.0, 1.8e-3)])
 @pytest.mark.parametrize("kind", ["flat_end_mill"])
 def test_a_tool_that_falls_beside_a_deeper_cut(kind, slope, width, side):
@@ -139,7 +139,7 @@ def test_a_tool_that_falls_beside_a_deeper_cut(kind, slope, width, side):
         assert found["peak_force"][k] == pytest.approx(wanted.peak_force, rel=0.13)
 
 
-@pytest.mark.parametrize("side", [1.0, -1.0])
+@pytest.mark.parametrize("side", [1.0, pytest.param(-1.0, marks=pytest.mark.slow)])
 @pytest.mark.parametrize(("slope", "width"), [(3.0, 2.7e-3), (15.0, 2.7e-3)])
 @pytest.mark.parametrize("kind", ["ball_end_mill", "bull_nose_end_mill"])
 def test_a_round_tool_that_falls_beside_a_deeper_cut(kind, slope, width, side):

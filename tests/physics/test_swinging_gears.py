@@ -103,6 +103,7 @@ def corner(body: RobotBody) -> np.ndarray:
     return np.array(rows)
 
 
+@pytest.mark.slow
 def test_behind_a_corner_the_tip_goes_as_scipy_says_that_it_goes() -> None:
     """The same equations, nonlinear, by Runge-Kutta; motors move as the control told them, by cubics."""
     body, dt = robot(), machines.STEP_NS * 1e-9

@@ -30,7 +30,9 @@ def _from_the_root(monkeypatch):
     monkeypatch.syspath_prepend(str(ROOT))
 
 
-@pytest.mark.parametrize("name", TINY)
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=pytest.mark.slow) if name == "editor" else name for name in TINY]
+)
 def test_it_prints_a_ratio(name, capsys):
     if name == "inverse_kinematics":
         pytest.importorskip("pybullet")
@@ -123,6 +125,7 @@ def test_an_unknown_name_is_told(capsys, monkeypatch):
     assert "nonsense" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_a_checkout_against_itself(capsys):
     """Equal sources take about equal time; what counts here is that each command runs in both."""
     importlib.import_module("benchmarks.against").main(str(ROOT), 1, 10)
