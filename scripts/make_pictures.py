@@ -93,7 +93,9 @@ class Scripted(NamedTuple):
 
 SCRIPTED = {
     "force_control.png": Scripted("force_control", ("flexible", "stiffened"), "error_chart.py"),
-    "painted_together.png": Scripted("painted_together", (".",), "cell_picture.py", "--at 5 --turn 40 --target 0.8 0 0.6 --span 1.9"),
+    "painted_together.png": Scripted(
+        "painted_together", (".",), "cell_picture.py", "--at 5 --turn 40 --target 0.8 0 0.6 --span 1.9"
+    ),
     "taught_poses.png": Scripted("taught_poses", (".",), "cell_picture.py", "--turn 70 --trail"),
 }
 

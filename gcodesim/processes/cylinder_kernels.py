@@ -12,7 +12,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from gcodesim.arithmetic.sin_kernels import cos_sin
 from gcodesim.compiled import kernel
 from gcodesim.material.kernels import (
     ELSEWHERE,
@@ -53,7 +52,6 @@ from gcodesim.processes.engagement_kernels import (
 from gcodesim.processes.limit_kernels import (
     FULL,
     NO_LIMIT,
-    PER_ANGLE,
     ContactLimit,
     EdgeBand,
     end_of_side,
@@ -68,7 +66,6 @@ Array = NDArray[np.float64]
 
 HALF = ANGLES // 2
 SAME_LAYER = 0.5  # [angles] by which the contact of rows of one layer may differ
-LANDING = 0.5  # by which the shares of two angles at one wall differ at most
 TURNS = 4  # in which a limit is found that no wall tells
 
 
@@ -264,34 +261,6 @@ def limit_between(
     return after - 0.5 + crossing(least, most, low, high, middle_share), False
 
 
-class RampWall(NamedTuple):
-    """A wall at a limit [angles] of a cylinder of this radius, and how near to it columns are soft [m].
-
-    rises: whether the share is greater behind it.
-    """
-
-    limit: float
-    radius: float
-    near: float
-    rises: bool
-
-
-@kernel(lean=True, inlined=True)
-def is_soft(circle: Circle, share: Array, wall: RampWall, at: int, after: int) -> bool:
-    """Whether what the columns say at one angle is still that of a wall, so that the ramp goes on beside it.
-
-    Its share (HALF,) still changes from angle after - 1 to `after`; or the angle is as near to the wall as a cell is
-    wide, where a stair of columns may have a landing.
-    """
-    if goes_on(share, after, wall.rises):
-        return True
-    inside = max(wall.radius - wall.near, 0.0)
-    asked = min(max(wall.radius * circle.cosines[at], -inside), inside)
-    if abs(asked - wall.radius * cos_sin(wall.limit / PER_ANGLE)[0]) >= wall.near:
-        return False
-    return bool(min(share[after - 1], share[after]) >= 0.0 and abs(share[after] - share[after - 1]) <= LANDING)
-
-
 @kernel(lean=True, inlined=True)
 def seams_of_layer(
     field: Field, circle: Circle, tip: Array, heading: Heading, clearance: Clearance, room: Room,
@@ -312,10 +281,9 @@ def seams_of_layer(
         ramp = (from_k, to_k, after)
         limit, seen = limit_between(field, circle, tip, heading, clearance, room, cylinder, span, share, ramp)
         if seen:
-            at = RampWall(limit, cylinder.radius, clearance.aside if heading.turn == 0.0 else 0.0, total > earlier)
-            while from_k > 0 and is_soft(circle, share, at, from_k, from_k):
+            while from_k > 0 and goes_on(share, from_k, total > earlier):
                 from_k -= 1
-            while to_k + 1 < HALF and is_soft(circle, share, at, to_k, to_k + 1):
+            while to_k + 1 < HALF and goes_on(share, to_k + 1, total > earlier):
                 to_k += 1
         note_layer(room, cylinder, layer, from_k, to_k, limit, seam)
         seam, done = seam + 1, to_k + 1

@@ -28,7 +28,7 @@ from gcodesim.material.kernels import (
     ToColumns,
     ask_places,
     share_between,
-    surface_around,
+    surface_at,
     to_columns,
 )
 from gcodesim.processes.edge_kernels import (
@@ -95,8 +95,6 @@ Array = NDArray[np.float64]
 
 NOWHERE = -1  # there is no contact
 AT_LEFT, AT_RIGHT = 1, 2  # sides of which a wall has told the limit
-WALL = 4.0  # [cells] by which columns side by side differ in height where a wall stands between them
-UNKNOWN_LEAN = -1.0
 SAME_LIMIT = 1.0e-3  # [angles] by which two limits of one row have to differ
 
 
@@ -188,16 +186,6 @@ def lay_places(circle: Circle, ring: Ring, heading: Heading, columns: ToColumns,
         ups[k] = climb * max(way, least_way)
 
 
-@kernel(lean=True, inlined=True)
-def surface_ahead(
-    field: Field, tip: Array, heading: Heading, clearance: Clearance, px: float, py: float
-) -> tuple[float, bool]:
-    """Height [m] of the surface at the place (px, py) in K; whether no wall stands between the columns around it."""
-    ux, uy = heading.ux, heading.uy
-    height, step = surface_around(field, tip[0] + ux * px - uy * py, tip[1] + uy * px + ux * py)
-    return height, step <= WALL * clearance.cell
-
-
 @kernel(lean=True)
 def leans_of(
     field: Field, circle: Circle, tip: Array, heading: Heading, clearance: Clearance, ring: Ring, leans: Array
@@ -205,24 +193,18 @@ def leans_of(
     """What part of the climb of a rising tool the surface in front has, leans (ANGLES,), each from 0 to 1.
 
     Material is asked for ahead of the edge. There a floor that an earlier pass has left stands higher by the climb, but
-    the top of a raw block does not: so it is asked as much higher as the surface rises on from there. What is at a wall
-    says nothing of that: there the angle beside it tells, or all of the climb counts where none does.
+    the top of a raw block does not: so it is asked as much higher as the surface rises on from there.
     """
     leans[ANGLES // 2 :] = 0.0
     for k in range(ANGLES // 2):
         px, py, _ = probe(ring.radius, ring.outer - ring.ahead, circle.sines[k], circle.cosines[k], ring.ahead,
                           clearance.aside, heading.level, heading.turn)  # fmt: skip
-        near, near_known = surface_ahead(field, tip, heading, clearance, px, py)
-        far, far_known = surface_ahead(field, tip, heading, clearance, px + ring.ahead, py)
-        rise = max(far - near, 0.0) * heading.level
-        leans[k] = min(rise / (heading.climb * ring.ahead), 1.0) if near_known and far_known else UNKNOWN_LEAN
-    for k in range(1, ANGLES // 2):
-        if leans[k] == UNKNOWN_LEAN:
-            leans[k] = leans[k - 1]
-    for j in range(ANGLES // 2):
-        k = ANGLES // 2 - 1 - j
-        if leans[k] == UNKNOWN_LEAN:
-            leans[k] = leans[k + 1] if j > 0 else 1.0
+        near = surface_at(field, tip[0] + heading.ux * px - heading.uy * py, tip[1] + heading.uy * px + heading.ux * py)
+        px += ring.ahead
+        far = surface_at(field, tip[0] + heading.ux * px - heading.uy * py, tip[1] + heading.uy * px + heading.ux * py)
+        known = near > -np.inf and far > -np.inf
+        rise = max(far - near, 0.0) * heading.level if known else np.inf
+        leans[k] = min(rise / (heading.climb * ring.ahead), 1.0)
 
 
 @kernel(lean=True, inlined=True)
@@ -362,7 +344,7 @@ def note_rims(
         for k in range(n):
             known[k], steps[k] = known[0], 0.0
         room.weights[i, 0], room.weights[i, n - 1] = 1.0 if left_full else 0.0, 1.0 if right_full else 0.0
-        rows[i, FROM], rows[i, TO] = 0, max(int(rows[i, TO]), n)
+        rows[i, FROM], rows[i, TO] = 0, n
         note_limit(room.seams, number, i, 0, n - 1, left.angle)
         return number + 1
     if left.angle != NO_LIMIT:
@@ -453,7 +435,7 @@ def contact_of_rows(
                 left -= leave_wall(limit_angle, steps)
         rows[i, FROM], rows[i, TO] = reach_of(known, steps)
         told = 0
-        if walled and sin_kappa > UPRIGHT:
+        if walled and behind == 0 and sin_kappa > UPRIGHT:
             span = span_of(tip, heading, clearance, rows, i)
             limit = at_row(at_left, tip, beside_way, clearance, span, known[0], True)
             if limit.angle != NO_LIMIT:
@@ -465,7 +447,7 @@ def contact_of_rows(
                 told += AT_RIGHT
                 beyond = share_beyond(field, tip, beside_way, clearance, span, limit, False)
                 waiting = note_side(circle, clearance, shares_in(room), i, limit, beyond, False, waiting)
-        if rimmed and sin_kappa > UPRIGHT:
+        if rimmed and behind == 0 and sin_kappa > UPRIGHT:
             waiting = note_rims(field, pieces, circle, tip, beside_way, clearance, room, i, told, waiting)
         if left > 0:
             found_steps = Steps(known, steps, room.leans)

@@ -139,43 +139,6 @@ def test_a_tool_that_falls_beside_a_deeper_cut(kind, slope, width, side):
         assert found["peak_force"][k] == pytest.approx(wanted.peak_force, rel=0.13)
 
 
-@pytest.mark.parametrize("side", [1.0, pytest.param(-1.0, marks=pytest.mark.slow)])
-@pytest.mark.parametrize(("slope", "width"), [(3.0, 2.7e-3), (15.0, 2.7e-3)])
-@pytest.mark.parametrize("kind", ["ball_end_mill", "bull_nose_end_mill"])
-def test_a_round_tool_that_falls_beside_a_deeper_cut(kind, slope, width, side):
-    """Of a strip three cells wide a ball on a way of 3 deg felt 1 to 40 %, on one of 15 deg 79 to 93 %."""
-    cutter = mill(kind)
-    deeper = Pass(cutter, placed([(-20e-3, side * width, -8e-3), (20e-3, side * width, -8e-3)]))
-    way = placed([(-4e-3, 0.0, -0.5e-3), (4e-3, 0.0, -0.5e-3 - 8e-3 * math.tan(slope * DEG))])
-
-    stock = block()
-    cut(stock, cutter, None, deeper.places)
-    at, found = cut(stock, cutter, STEEL, way)
-    k = int(0.95 * (len(at) - 1))
-    heading = (at[k + 1] - at[k]) / np.linalg.norm(at[k + 1] - at[k])
-    passes = [deeper, Pass(cutter, at[[0, k]])]
-    wanted = loads(cutter, STEEL, CHIP, 0.5 * (at[k] + at[k + 1]), heading, passes, angles=720, count=24)
-
-    assert np.linalg.norm(found.wrench[k, :3]) == pytest.approx(wanted.size, rel=0.05)
-    assert found["torque"][k] == pytest.approx(wanted.torque, rel=0.05)
-    assert found["peak_force"][k] == pytest.approx(wanted.peak_force, rel=0.2)
-
-
-@pytest.mark.parametrize("slope", [10.0, 20.0])
-def test_a_tool_that_rises_beside_a_wall_is_felt_all_along(slope):
-    """A wall between two columns was taken for a floor that rises: every fifth place had 5 to 14 % too little."""
-    cutter, run = mill("flat_end_mill"), 10e-3
-    deep = -1e-3 - run * math.tan(slope * DEG)
-    stock = block()
-    cut(stock, cutter, None, placed([(-20e-3, 1e-3, -9e-3), (20e-3, 1e-3, -9e-3)]))
-    at, found = cut(stock, cutter, STEEL, placed([(-run, 0.0, deep), (0.0, 0.0, -1e-3)]))
-
-    force, down = np.linalg.norm(found.wrench[:, :3], axis=1)[60:-20], -at[60:-21, 2]
-    share = force / np.polyval(np.polyfit(down, force, 1), down)  # the strip is as wide all along, so as high as deep
-    assert np.median(share) == pytest.approx(1.0, abs=0.01)
-    assert share.min() > 0.98 * np.median(share)
-
-
 def test_a_convex_arc_is_felt_all_along() -> None:
     """For up to half a millimetre at a time nothing was felt, where a wall passed between two places of two looks."""
     cutter, radius, wide = mill("flat_end_mill"), 12e-3, 1e-3
