@@ -22,7 +22,7 @@ from gcodesim.units import MM
 
 if TYPE_CHECKING:
     from gcodesim.session.cell_in_hand import OpenCell
-    from gcodesim.session.machine import Machine
+    from gcodesim.session.machine import MovedMachine
     from gcodesim.session.tool_in_hand import HandTool
 
 
@@ -47,7 +47,7 @@ Joints = str | Mapping[str, float] | ArrayLike
 class Arm:
     """A robot, or a machine tool, of an open cell. Joint values in rad and m, in the order of `joint_names`."""
 
-    def __init__(self, cell: OpenCell, machine: Machine) -> None:
+    def __init__(self, cell: OpenCell, machine: MovedMachine) -> None:
         self._cell, self._machine = cell, machine
 
     @property

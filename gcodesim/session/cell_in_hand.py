@@ -30,7 +30,7 @@ from gcodesim.sensors.optics import Optics
 from gcodesim.sensors.outputs import Picture
 from gcodesim.session import caller
 from gcodesim.session.arm import Arm
-from gcodesim.session.machine import Machine
+from gcodesim.session.machine import MovedMachine
 from gcodesim.session.misuse import MisuseError
 from gcodesim.session.run_thread import RunThread
 from gcodesim.session.sensor_in_hand import HandSensor, Present, looking
@@ -110,7 +110,7 @@ class OpenCell:
         self._run = RunThread(job, out)
         self._step_ns = job.cell.simulation.step_ns
         self._wanted_ns = self._done_steps = self._waiting_steps = 0
-        self._machines = [Machine(each, self._step_ns) for each in job.all]
+        self._machines = [MovedMachine(each, self._step_ns) for each in job.all]
         self._closed = False
         self._arms = {machine.shop.name: Arm(self, machine) for machine in self._machines}
         self._tools: dict[int, HandTool] = {}
@@ -292,10 +292,10 @@ class OpenCell:
         return self._job.shop
 
     @property
-    def _first(self) -> Machine:
+    def _first(self) -> MovedMachine:
         return self._machines[0]
 
-    def _holder(self, number: int) -> Machine | None:
+    def _holder(self, number: int) -> MovedMachine | None:
         """The machine that holds this tool."""
         return next((machine for machine in self._machines if machine.state.tool == number), None)
 
@@ -324,7 +324,7 @@ class OpenCell:
             machine.wait_for(machine.towards_target(count))
         self._count_waiting(count, at_once=alone)
 
-    def _wait_for(self, own: Machine, table: Array, active: bool | None = None) -> None:
+    def _wait_for(self, own: MovedMachine, table: Array, active: bool | None = None) -> None:
         """Steps of one machine through joints (n + 1, j); meanwhile the others go on towards their targets."""
         self._check_open()
         alone = self._stands_still()
@@ -356,7 +356,7 @@ class OpenCell:
             legs = {machine: leg for machine in self._machines if (leg := machine.leg()) is not None}
             self._advance(legs)
 
-    def _advance(self, legs: Mapping[Machine, Plan]) -> None:
+    def _advance(self, legs: Mapping[MovedMachine, Plan]) -> None:
         """Run a leg of each machine: those that wait, or one made otherwise. All last as long as the longest.
 
         Who has steps that wait goes on towards its target, others stand at the end of theirs.
@@ -389,7 +389,7 @@ class OpenCell:
         pause = Pause(span=caller.line(), seconds=end - leg.trajectory.duration)
         return replace(leg, trajectory=standing_until(leg.trajectory, end, pause))
 
-    def _tell_of(self, machine: Machine, leg: Plan) -> None:
+    def _tell_of(self, machine: MovedMachine, leg: Plan) -> None:
         """Report what is wrong with the motion of a leg."""
         shop, begin = machine.shop, self._done_steps * self._step_ns * 1e-9
         found = list(leg.findings)
@@ -402,7 +402,7 @@ class OpenCell:
             later = replace(finding, time=None if finding.time is None else finding.time + begin)
             self._job.findings.add(later, key=(later.code, later.span, "of a session"))
 
-    def _run_path(self, own: Machine, path: ToolPath, frame: str, active: bool | None) -> None:
+    def _run_path(self, own: MovedMachine, path: ToolPath, frame: str, active: bool | None) -> None:
         """Run moves as a program would, from where the machine stands, with the tool that it holds."""
         self._check_open()
         if not len(path):
@@ -421,7 +421,7 @@ class OpenCell:
             self._advance({**legs, own: leg})
         own.stand_at(leg.joints(leg.trajectory.sample(np.array([leg.trajectory.duration])))[0])
 
-    def _borne(self, own: Machine, system: int) -> BorneWork | None:
+    def _borne(self, own: MovedMachine, system: int) -> BorneWork | None:
         """Where work systems are that other machines bear; None where they bear none.
 
         MisuseError where the machine that bears `system` moves.

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 _UNLIMITED: Final = 1e6  # [rad/s, m/s, and per s] where a description names no limit
 
 
-class Machine:
+class MovedMachine:
     """The machine that one channel of the cell moves, from step to step.
 
     `q` and `qd` (j,) are the commanded joints at the end of all steps so far, run or waiting, `target` (j,) is where

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from gcodesim.planning import Plan
 
 
-class Beside:
+class SessionLegs:
     """What the `legs` of a job of a session have to be; those of the first job say whether there are further ones."""
 
     ended = False
@@ -52,13 +52,13 @@ class Beside:
         """A session does not probe."""
 
 
-class RunThread(Beside):
+class RunThread(SessionLegs):
     """The run of `job` and those beside it. Only one of the two threads works at any time."""
 
     def __init__(self, job: Job, out: Path | None) -> None:
         super().__init__(job)
         for other in job.others:
-            other.legs = Beside(other)
+            other.legs = SessionLegs(other)
         job.legs = self
         self._out = out
         self._further: SimpleQueue[bool] = SimpleQueue()

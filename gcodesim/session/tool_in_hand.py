@@ -16,7 +16,7 @@ from gcodesim.tools.tcp_load import LOAD_FRAMES
 if TYPE_CHECKING:
     from gcodesim.session.arm import Arm
     from gcodesim.session.cell_in_hand import OpenCell
-    from gcodesim.session.machine import Machine
+    from gcodesim.session.machine import MovedMachine
     from gcodesim.tools.tool import Tool
 
 
@@ -36,7 +36,7 @@ class HandTool:
         return self._holder is not None
 
     @property
-    def _holder(self) -> Machine | None:
+    def _holder(self) -> MovedMachine | None:
         return self._cell._holder(self.number)
 
     def couple(self, arm: Arm) -> None:
@@ -159,7 +159,7 @@ class HandTool:
             raise MisuseError(f"tool {self.number} ({self.spec.kind}) does not extrude")
         self._cell._run_path(holder, path, frame, True)
 
-    def _held(self) -> Machine:
+    def _held(self) -> MovedMachine:
         """The machine that holds it; MisuseError when none does."""
         self._cell._check_open()
         holder = self._holder

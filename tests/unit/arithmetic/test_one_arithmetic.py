@@ -40,7 +40,7 @@ POSES = {
         *(f"shop/{name}.py" for name in ("blanks", "opening", "shop", "stands", "stocking")),
     ),
     *("checks/machine_bodies.py", "checks/machine_collisions.py", "checks/sharing.py", "jobs/meetings.py"),
-    *("session/cell_in_hand.py", "solids/solid.py", "kinematics/assembly.py", "cell/externals.py"),
+    *("session/arm.py", "session/cell_in_hand.py", "solids/solid.py", "kinematics/assembly.py", "cell/externals.py"),
     *("jobs/verification.py", "jobs/collisions.py", "cell/assembly.py", "checks/cell_bodies.py"),
     *("checks/cell_meetings.py", "kinematics/posed_links.py", "tools/own_body.py", "tools/tool.py"),
     *("recorder/bodies.py", "recorder/loose.py", "cell/machine.py", "cell/surfaces.py"),
