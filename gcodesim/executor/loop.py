@@ -50,12 +50,12 @@ def execute(
     inspect: Inspect | None = None,
     watcher: Watcher | None = None,
     progress: Callable[[Progress], None] | None = None,
-    onward: Callable[[RunHalt], Plan | None] | None = None,
+    onward: Onward | None = None,
 ) -> Execution:
     """Run the whole plan in a world; stock changes in place. `pacing` says what its steps are: else ticks of `dt_ns`.
 
     At the end of a plan, `onward` may say how the program goes on: with the plan of all
-    legs so far and the next one, which begins with a whole step. It is told where the run stands.
+    legs so far and the next one, which begins with a whole step, as the only one. It is told where the run stands.
 
     KeyboardInterrupt ends the run after the windows in progress; what was done until
     then is in the result. It is passed on to the caller when nothing was done. Raises
@@ -63,14 +63,7 @@ def execute(
     """
     brought = TrackPlan(plan=plan, shop=shop, inspect=inspect, watcher=watcher)
     pacing = pacing or Pacing(dt_ns=dt_ns)
-    further: Onward | None = None
-    if onward is not None:
-
-        def further(halt: RunHalt) -> Sequence[Plan] | None:
-            plan = onward(halt)
-            return None if plan is None else (plan,)
-
-    return execute_together([brought], world_name=world_name, pacing=pacing, progress=progress, onward=further)
+    return execute_together([brought], world_name=world_name, pacing=pacing, progress=progress, onward=onward)
 
 
 def execute_together(

@@ -319,26 +319,27 @@ class OpenCell:
 
     def _pass(self, count: int) -> None:
         """`count` steps of all machines towards their targets; they are run when somebody asks what they did."""
-        alone = self._stands_still()
+        at_once = self._flushed_for_change()
         for machine in self._machines:
             machine.wait_for(machine.towards_target(count))
-        self._count_waiting(count, at_once=alone)
+        self._count_waiting(count, at_once=at_once)
 
     def _wait_for(self, own: MovedMachine, table: Array, active: bool | None = None) -> None:
         """Steps of one machine through joints (n + 1, j); meanwhile the others go on towards their targets."""
         self._check_open()
-        alone = self._stands_still()
+        at_once = self._flushed_for_change()
         for machine in self._machines:
             if machine is own:
                 machine.wait_for(table, active)
             else:
                 machine.wait_for(machine.towards_target(len(table) - 1))
-        self._count_waiting(len(table) - 1, at_once=alone)
+        self._count_waiting(len(table) - 1, at_once=at_once)
 
-    def _stands_still(self) -> bool:
-        """Whether a machine stands for a while before its next step, and others do not, who have further steps then.
+    def _flushed_for_change(self) -> bool:
+        """Whether a machine changes its tool before its next step, while others go on.
 
-        All steps so far are run before, so that it does not matter when somebody asks what they did.
+        Then all steps so far are run, and the next ones have to be run at once: the others get as many more as the
+        change takes, and that must not depend on when somebody asks what they did.
         """
         if len(self._machines) == 1 or not any(machine.stands_first for machine in self._machines):
             return False
@@ -353,8 +354,11 @@ class OpenCell:
     def _flush(self) -> None:
         """Run all steps that wait."""
         if self._waiting_steps:
-            legs = {machine: leg for machine in self._machines if (leg := machine.leg()) is not None}
-            self._advance(legs)
+            self._advance(self._waiting_legs())
+
+    def _waiting_legs(self) -> dict[MovedMachine, Plan]:
+        """The plans of those who have steps that wait."""
+        return {machine: leg for machine in self._machines if (leg := machine.leg()) is not None}
 
     def _advance(self, legs: Mapping[MovedMachine, Plan]) -> None:
         """Run a leg of each machine: those that wait, or one made otherwise. All last as long as the longest.
@@ -411,14 +415,10 @@ class OpenCell:
         self._flush()
         system = self._system(frame)
         leg = own.leg_along(path, system, active, self._borne(own, system))
-        if len(self._machines) == 1:
-            self._advance({own: leg})
-        else:
-            for machine in self._machines:
-                if machine is not own:
-                    machine.wait_for(machine.towards_target(self._steps_of(leg)))
-            legs = {machine: found for machine in self._machines if (found := machine.leg()) is not None}
-            self._advance({**legs, own: leg})
+        for machine in self._machines:
+            if machine is not own:
+                machine.wait_for(machine.towards_target(self._steps_of(leg)))
+        self._advance({**self._waiting_legs(), own: leg})
         own.stand_at(leg.joints(leg.trajectory.sample(np.array([leg.trajectory.duration])))[0])
 
     def _borne(self, own: MovedMachine, system: int) -> BorneWork | None:

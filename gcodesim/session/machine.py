@@ -63,7 +63,7 @@ class MovedMachine:
     @property
     def has_begun(self) -> bool:
         """Whether a step of it was run or waits."""
-        return self.record is not None or bool(self._waiting)
+        return self.record is not None or self.waits
 
     @property
     def waits(self) -> bool:

@@ -17,36 +17,34 @@ _BESIDE = 1e-9  # share of a triangle by which a line may be beside it
 
 
 @kernel
-def _square_of(at: float, low: float, size: float, count: int) -> int:
-    return int(min(max((at - low) / size, 0.0), count - 1.0))
+def _square_of(at: float, low: float, size: float, side: int) -> int:
+    return int(min(max((at - low) / size, 0.0), side - 1.0))
 
 
 @kernel
-def _squares(points: Array, face: Ints, low: Array, size: Array, count: Ints, out: Ints) -> None:
+def _squares(points: Array, face: Ints, low: Array, size: Array, side: int, out: Ints) -> None:
     """The first and last square along X and Y (4,) that a triangle may be met in."""
     for k in range(2):
         a, b, c = points[face[0], k], points[face[1], k], points[face[2], k]
         least, most = min(a, b, c), max(a, b, c)
         beside = 2.0 * _BESIDE * (most - least)
-        out[2 * k] = _square_of(least - beside, low[k], size[k], count[k])
-        out[2 * k + 1] = _square_of(most + beside, low[k], size[k], count[k])
+        out[2 * k] = _square_of(least - beside, low[k], size[k], side)
+        out[2 * k + 1] = _square_of(most + beside, low[k], size[k], side)
 
 
 @kernel
-def _first_of_squares(
-    points: Array, faces: Ints, lines: Array, side: int, low: Array, size: Array, count: Ints
-) -> Ints:
+def _first_of_squares(points: Array, faces: Ints, lines: Array, side: int, low: Array, size: Array) -> Ints:
     """Where the triangles of each of `side` by `side` squares begin in a list of them all, and how many there are.
 
-    The squares are written to `low`, `size` [m] and `count` (2,).
+    Where the squares begin and how wide they are goes to `low` and `size` (2,) [m].
     """
     for k in range(2):
-        low[k], count[k] = lines[:, k].min(), side
+        low[k] = lines[:, k].min()
         size[k] = max((lines[:, k].max() - low[k]) / side, _LEAST_SQUARE)
     box = np.empty(4, np.int64)
     starts = np.zeros(side * side + 1, np.int64)
     for t in range(len(faces)):
-        _squares(points, faces[t], low, size, count, box)
+        _squares(points, faces[t], low, size, side, box)
         for i in range(box[0], box[1] + 1):
             for j in range(box[2], box[3] + 1):
                 starts[i * side + j + 1] += 1
@@ -64,25 +62,25 @@ def extreme_heights(points: Array, faces: Ints, lines: Array, below: Array, high
     out[:] = -np.inf if highest else np.inf
     if len(lines) == 0 or len(faces) == 0:
         return
-    low, size, count = np.empty(2), np.empty(2), np.empty(2, np.int64)
+    low, size = np.empty(2), np.empty(2)
     side = max(int(np.sqrt(float(min(len(faces), len(lines))))), 1)
-    starts = _first_of_squares(points, faces, lines, side, low, size, count)
+    starts = _first_of_squares(points, faces, lines, side, low, size)
     while side > 1 and starts[-1] > _MOST_SQUARES * len(faces):  # large or slanting triangles are in many
         side = side // 2
-        starts = _first_of_squares(points, faces, lines, side, low, size, count)
+        starts = _first_of_squares(points, faces, lines, side, low, size)
     box = np.empty(4, np.int64)
     free, sorted_faces = starts[:-1].copy(), np.empty(starts[-1], np.int64)
     for t in range(len(faces)):
-        _squares(points, faces[t], low, size, count, box)
+        _squares(points, faces[t], low, size, side, box)
         for i in range(box[0], box[1] + 1):
             for j in range(box[2], box[3] + 1):
-                cell = i * count[1] + j
+                cell = i * side + j
                 sorted_faces[free[cell]] = t
                 free[cell] += 1
     for n in range(len(lines)):
-        i = _square_of(lines[n, 0], low[0], size[0], count[0])
-        j = _square_of(lines[n, 1], low[1], size[1], count[1])
-        cell = i * count[1] + j
+        i = _square_of(lines[n, 0], low[0], size[0], side)
+        j = _square_of(lines[n, 1], low[1], size[1], side)
+        cell = i * side + j
         for entry in range(starts[cell], starts[cell + 1]):
             t = sorted_faces[entry]
             a, b, c = points[faces[t, 0]], points[faces[t, 1]], points[faces[t, 2]]

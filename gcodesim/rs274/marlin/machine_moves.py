@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
@@ -81,6 +81,17 @@ def _go(do: PrinterExecutor, end: tuple[float, ...], word: str, feed: float) -> 
     control.state.current = end  # type: ignore[assignment]
 
 
+def _forget_shift(do: PrinterExecutor, axes: Iterable[int]) -> None:
+    """Let nothing be left of G92 in these axes; the nozzle stays where it is."""
+    state = do.control.state
+    shift, there = list(state.g92), list(state.current)
+    for axis in axes:
+        there[axis] += shift[axis]
+        shift[axis] = 0.0
+    state.g92, state.current = tuple(shift), tuple(there)  # type: ignore[assignment]
+    do.control.say_system()
+
+
 def home(do: PrinterExecutor, line: MarlinLine) -> None:
     """G28: X and Y go to 0 first, then Z, so that the nozzle meets nothing on its way; shifts of G92 are forgotten.
 
@@ -94,13 +105,7 @@ def home(do: PrinterExecutor, line: MarlinLine) -> None:
             do.skip("G28 of another axis", line)
             return
         named = [True, True, True]
-    shift, there = list(state.g92), list(state.current)
-    for axis in range(3):
-        if named[axis]:
-            there[axis] += shift[axis]
-            shift[axis] = 0.0
-    state.g92, state.current = tuple(shift), tuple(there)  # type: ignore[assignment]
-    control.say_system()
+    _forget_shift(do, [axis for axis in range(3) if named[axis]])
     for axes in ((0, 1), (2,)):
         end = list(state.current)
         for axis in axes:
@@ -120,10 +125,7 @@ def probe(do: PrinterExecutor, line: MarlinLine) -> None:
         return
     control, said = do.control, do.meta.machine.said
     state = control.state
-    shift, there = list(state.g92), list(state.current)
-    there[2], shift[2] = there[2] + shift[2], 0.0
-    state.g92, state.current = tuple(shift), tuple(there)  # type: ignore[assignment]
-    control.say_system()
+    _forget_shift(do, [2])
     bed = do.first_origin[2] / state.unit - state.origin[2]
     _go(do, (*state.current[:2], bed, *state.current[3:]), "G30", said.probe_speed * MM / MINUTE)
     up = bed + said.dive_height * MM / state.unit
