@@ -195,11 +195,25 @@ class StockWatch:
     _open: dict[tuple[int, int], _Event] = field(default_factory=dict)
     _events: list[tuple[CarriedBody, WatchedStock, _Event]] = field(default_factory=list)
     _told: int = 0
+    _travel: Array = field(init=False)
+
+    def __post_init__(self) -> None:
+        self._travel = self._travel_of(self.plan)
+
+    @staticmethod
+    def _travel_of(plan: Plan) -> Array:
+        """How far (j,) [m, rad] each joint goes from zero."""
+        extremes = plan.extremes()
+        travel: Array = np.maximum(np.abs(extremes.least), np.abs(extremes.most))
+        return travel
 
     def follow(self, plan: Plan) -> None:
         """The run goes on with a plan that has further legs."""
         self.plan = plan
-        self._known.clear()
+        travel = self._travel_of(plan)
+        if (travel > self._travel).any():  # pairs are bounded by how far joints go
+            self._travel = travel
+            self._known.clear()
 
     # ---- in the thread that cuts
 
@@ -228,9 +242,7 @@ class StockWatch:
 
     def _pairs_of(self, tool: int) -> _Pairs | None:
         if tool not in self._known:
-            extremes = self.plan.extremes()
-            travel = np.maximum(np.abs(extremes.least), np.abs(extremes.most))
-            self._known[tool] = _Pairs.of(self.checks, self.stocks, tool, travel)
+            self._known[tool] = _Pairs.of(self.checks, self.stocks, tool, self._travel)
         return self._known[tool]
 
     # ---- in the thread that counts

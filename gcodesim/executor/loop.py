@@ -127,6 +127,7 @@ def execute_together(
                 if cut.looks:
                     if things is not None and things.things:
                         taken = _with_parts(things, taken)
+                    taken = _with_others(taken)
                     for each, its in taken:
                         found = each.found(its)
                         if each.watcher is not None:
@@ -223,6 +224,12 @@ def _loose_of(channels: Sequence[TrackPlan], world_name: str, dt_ns: int) -> Loo
 
 
 Taken = list[tuple[Track, StepRecord]]
+
+
+def _with_others(taken: Taken) -> Taken:
+    """The records of all channels in the same steps, the first with those of the others."""
+    (track, record), *others = taken
+    return [(track, replace(record, beside={each.shop.name: its for each, its in others})), *others]
 
 
 def _with_parts(parts: PartRun, taken: Taken) -> Taken:

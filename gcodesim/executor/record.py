@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -31,7 +32,8 @@ class StepRecord:
     by name are those of the sheet, zero where no process gives a value; `feeds` (n,) are steps along feed moves.
     `grips` are what happened to parts, each with its step of the record; `parts` (n, parts, 4, 4) is X_WP of all
     parts, then of all devices, and `things` their frames; both in the record of the first channel. `freed` is what was
-    cut loose, each with its step of the record, and `loose` how it falls, where the world is an engine.
+    cut loose, each with its step of the record, and `loose` how it falls, where the world is an engine. `beside` are
+    the records of further channels in the same steps, by their movers; in that of the first.
     """
 
     window: StepWindow
@@ -47,6 +49,7 @@ class StepRecord:
     things: tuple[str, ...] = ()
     freed: tuple[tuple[int, Freed], ...] = ()
     loose: tuple[LooseBody, ...] = ()
+    beside: Mapping[str, StepRecord] = field(default_factory=dict)
 
     def __len__(self) -> int:
         return len(self.window)

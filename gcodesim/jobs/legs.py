@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
-from functools import cached_property
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
@@ -23,13 +22,11 @@ from gcodesim.cell.standing import standing_of
 from gcodesim.checks.deaf_tools import deaf_tool_findings
 from gcodesim.checks.empty_spindle import empty_spindle_findings
 from gcodesim.checks.ends import left_on
-from gcodesim.checks.idle import blind_axis_findings
-from gcodesim.checks.machine_collisions import STOCK_HIT
-from gcodesim.checks.speed import speed_findings
 from gcodesim.checks.told_once import told_once
 from gcodesim.checks.unused_filament import unused_filament_findings
 from gcodesim.diagnostics import Diagnostic, Severity, Span
 from gcodesim.frames import Array
+from gcodesim.jobs.leg_checks import LegChecks
 from gcodesim.jobs.marks import is_stop, lone_marks
 from gcodesim.jobs.results import ProbeResult
 from gcodesim.jobs.sensor_waits import not_heard, standing_still, waited_in_vain
@@ -42,17 +39,14 @@ from gcodesim.planning import Plan, plan_path, posing_of
 from gcodesim.planning.handing_over import tool_after, with_handing_over
 from gcodesim.planning.legs import followed_by
 from gcodesim.planning.switched import history_of
-from gcodesim.processes import PROCESSES
 from gcodesim.processes.signal import ACTIVE, BEAM, BEAM_POWER, FLOW, SPRAY
 from gcodesim.rs274.dialects import DIALECTS
 from gcodesim.shop import Shop, with_stock
-from gcodesim.tools.gripper import Gripper
 from gcodesim.units import MM
 
 if TYPE_CHECKING:
     from gcodesim.cell.signals import SignalSource
     from gcodesim.checks.contact import Contact
-    from gcodesim.checks.machine_collisions import MachineChecks
     from gcodesim.checks.postures import Postures
     from gcodesim.checks.stock_watch import StockWatch
     from gcodesim.executor.halt import RunHalt
@@ -88,6 +82,7 @@ class Legs:
         self._question: canon.ProbeMove | canon.Input | None = None
         self._reply: canon.Answer | None = None
         self._read = self._ended = False
+        self._checks = LegChecks(job.shop)
         self._posing = posing_of(job.shop, self._obstacles(), job.borne)
         self._at: Array = job.shop.home
         self._mounted = job.cell.channels[job.channel].loaded_tool or 0
@@ -98,7 +93,6 @@ class Legs:
         self._outputs: dict[str, float] = {}  # digital P0 …, analog E0 …
         self._unheard: dict[str, tuple[int, Span]] = {}
         self._halted = False  # whether the machine stands where a sensor is asked
-        self._watched: frozenset[str] = frozenset()  # stocks that are looked at while they are cut
         self._touched: tuple[str, float] | None = None  # what the last leg touched, and how far it went in after that
 
     @property
@@ -280,59 +274,11 @@ class Legs:
 
     def _found(self, plan: Plan) -> Iterator[Diagnostic]:
         """Findings about the plan of one leg."""
-        return told_once(plan.findings, self._hits(plan))
-
-    def _hits(self, plan: Plan) -> Iterator[Diagnostic]:
-        """What is checked of a plan once it is made."""
-        shop = self.shop
-        yield from blind_axis_findings(plan.path, shop.mover)
-        yield from speed_findings(plan, shop.cell.limits.spindle_speed)
-        if shop.cell.fixtures:
-            from gcodesim.checks.clearance import clearance_findings, standing_bodies
-
-            beside = self._machine_checks.fixtures_beside(plan)
-            standing = [some.only(beside) for some in standing_bodies(shop.scene, shop.name)]
-            tools = {number: tool for number, tool in shop.cell.tools.items() if not isinstance(tool, Gripper)}
-            hits = clearance_findings(plan, tools, standing, X_BM=shop.X_BM)
-            apart = shop.cell.limits.apart
-            yield from (hit for hit in hits if frozenset(hit.bodies) not in apart and not self._backs_off(hit))
-        yield from (hit for hit in self._machine_checks.findings(plan) if not self._is_watched(hit))
-
-    def _is_watched(self, hit: Diagnostic) -> bool:
-        """Whether a finding is about a stock as it is at the start, while a run looks at it as it then is.
-
-        What says that an arm could not avoid it stays.
-        """
-        return hit.code == STOCK_HIT and hit.related is None and not self._watched.isdisjoint(hit.bodies)
+        return told_once(plan.findings, (hit for hit in self._checks.hits(plan) if not self._backs_off(hit)))
 
     def watch_stocks(self) -> StockWatch | None:
         """Who looks in a run at what the machine does to stocks as they then are; findings of the plan go."""
-        from gcodesim.checks.stock_watch import StockWatch, WatchedStock
-
-        shop, plan = self.shop, self._job.plan
-        lays = any(PROCESSES[kind].lays for tool in shop.cell.tools.values() for kind in tool.processes)
-        found = [
-            WatchedStock.of(shop.scene, shop.name, name, placed.frame, placed.stock, grows=lays)
-            for name, placed in shop.stocks.items()
-            if not placed.revolved
-        ]
-        stocks = [stock for stock in found if stock is not None]
-        if not stocks or plan is None:
-            return None
-        self._watched = frozenset(stock.name for stock in stocks)
-        self._job.findings.withdraw([finding for finding in self._job.findings if self._is_watched(finding)])
-        return StockWatch(self._machine_checks, stocks, plan)
-
-    @cached_property
-    def _machine_checks(self) -> MachineChecks:
-        """The links of the machine, checked leg by leg."""
-        from gcodesim.checks.machine_bodies import MachineBodies
-        from gcodesim.checks.machine_collisions import MachineChecks
-
-        shop = self.shop
-        machine = MachineBodies.of(shop.scene, shop.name)
-        limits = shop.cell.limits
-        return MachineChecks(machine, shop.cell.tools, shop.X_BM, limits.clearance, apart=limits.apart)
+        return self._checks.watch(self._job, self.shop)
 
     def _obstacles(self) -> Postures | None:
         """What an arm may hit; a machine whose joints are its axes has nothing to choose."""
@@ -340,7 +286,7 @@ class Legs:
             return None
         from gcodesim.checks.postures import Postures
 
-        return Postures.of(self._machine_checks, self.shop.home)
+        return Postures.of(self._checks.of_machine, self.shop.home)
 
     def _backs_off(self, hit: Diagnostic) -> bool:
         """Whether a tool is only on its way out of what it has probed."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -48,6 +48,18 @@ def switching_findings(path: ToolPath, shop: Shop) -> Iterator[Diagnostic]:
 
 def switched_tools(path: ToolPath, shop: Shop) -> Iterator[SwitchedTool]:
     """The tools in use along a path that words of the program switch; one that prints by E words is not among them."""
+    return _switched(path, shop, lambda process, signals, tool: process.is_on(signals, tool))
+
+
+def tools_seen_on(path: ToolPath, shop: Shop) -> Iterator[SwitchedTool]:
+    """The same of those tools that show that they are on; see `Process.is_seen_on`."""
+    return _switched(path, shop, lambda process, signals, tool: process.is_seen_on(signals, tool))
+
+
+def _switched(
+    path: ToolPath, shop: Shop, asked: Callable[[type[Process], dict[str, NDArray[Any]], Tool], Flags | None]
+) -> Iterator[SwitchedTool]:
+    """The tools in use of whose processes `asked` knows whether they are on."""
     signals: dict[str, NDArray[Any]] | None = None
     for number, tool in sorted(shop.cell.tools.items()):
         held = np.array([state.tool == number for state in path.states])[path.state]
@@ -57,7 +69,7 @@ def switched_tools(path: ToolPath, shop: Shop) -> Iterator[SwitchedTool]:
             if signals is None:
                 mode = shop.cell.channels[shop.channel].laser_mode
                 signals = signals_of_rows(path, shop.signal_sources, shop.signals, mode)
-            on = PROCESSES[kind].is_on(_of_process(PROCESSES[kind], signals, len(path)), tool)
+            on = asked(PROCESSES[kind], _of_process(PROCESSES[kind], signals, len(path)), tool)
             if on is not None:
                 yield SwitchedTool(tool=tool, process=PROCESSES[kind], held=held, on=on)
 

@@ -16,12 +16,11 @@ from gcodesim.frames import Array
 from gcodesim.frozen import frozen
 from gcodesim.observation.files import SensorFiles
 from gcodesim.observation.schedule import MOST_SIGHTS, Station, regular_steps, stations_of, told_steps
-from gcodesim.observation.stage import Stage, surface_of
+from gcodesim.observation.stage import Hand, Stage, surface_of
 from gcodesim.sensors.noise import Noise
 from gcodesim.sensors.outputs import DepthMap, Output, Picture, Points, digest
 from gcodesim.sensors.scenery import Scenery
 from gcodesim.sensors.sensor import Sight
-from gcodesim.tools.gripper import Gripper
 
 if TYPE_CHECKING:
     from gcodesim.executor.record import StepRecord
@@ -180,10 +179,12 @@ class Eyes:
         tally = self._tallies[station.name]
         tally.readings += 1
         q = {self._shop.name: world.q[row], **{name: joints[row] for name, joints in window.others.items()}}
+        if record is not None:
+            q |= {name: other.world.q[row] for name, other in record.beside.items()}
         X_WC = place_of(station, self._stage, q, tool)
         sight = Sight(
             X_WC=X_WC,
-            scenery=seen_in(self._stage, q, tool, surfaces, record, row) if station.sensor.sees else _NOTHING,
+            scenery=self._scenery(q, tool, surfaces, record, row) if station.sensor.sees else _NOTHING,
             noise=Noise(self._seed, station.name, tally.readings),
             load=load_at(self._shop, X_WC, q, world.reaction[row]) if station.sensor.on_flange else np.zeros(6),
         )
@@ -196,6 +197,22 @@ class Eyes:
                 self._outlet(station, name, t_ns, output)
             if self._files is not None and station.sensor.save:
                 self._files.write(station, tally.readings, t_ns, X_WC, name, output)
+
+    def _scenery(
+        self,
+        q: Mapping[str, Array],
+        tool: int,
+        surfaces: Mapping[str, Surface],
+        record: StepRecord | None,
+        row: int,
+    ) -> Scenery:
+        """What stands there at the end of a step, which is `row` of the record; None: before the first one."""
+        if record is None:
+            hands = self._stage.hands_at_start() | {self._shop.name: Hand(tool=tool)}
+            return self._stage.scenery(q, hands, surfaces)
+        records = {self._shop.name: record, **record.beside}
+        hands = {name: Hand.in_step(its, row, self._shop) for name, its in records.items()}
+        return self._stage.scenery(q, hands, surfaces, places=record.places(row))
 
     # ---- afterwards
 
@@ -257,22 +274,6 @@ class Eyes:
                     hint=f"give it a `period`, or have a word of the program do it: {how}"
                     + ("" if station.tool is None else ", while the tool is in use"),
                 )
-
-
-def seen_in(
-    stage: Stage,
-    q: Mapping[str, Array],
-    tool: int,
-    surfaces: Mapping[str, Surface],
-    record: StepRecord | None,
-    row: int,
-) -> Scenery:
-    """What stands there at the end of a step, which is `row` of the record; see `Stage.scenery`."""
-    if record is None:
-        return stage.scenery(q, tool, surfaces)
-    held = stage.shop.tool(tool)
-    opening = record.opening(row, held.widest) if isinstance(held, Gripper) else 1.0
-    return stage.scenery(q, tool, surfaces, places=record.places(row), opening=opening)
 
 
 def place_of(station: Station, stage: Stage, q: Mapping[str, Array], tool: int) -> Array:

@@ -11,7 +11,7 @@ from gcodesim.arithmetic.matrices import applied
 from gcodesim.cell.inputs import InputSource, Wait
 from gcodesim.frames import Array, Pose
 from gcodesim.observation.schedule import Station
-from gcodesim.observation.stage import Stage, surface_of
+from gcodesim.observation.stage import Hand, Stage, surface_of
 from gcodesim.sensors.switch import SightSwitch
 
 if TYPE_CHECKING:
@@ -38,9 +38,10 @@ class Hearing:
 
     def __init__(self, shop: Shop, station: Station, halt: RunHalt, dt: float) -> None:
         assert isinstance(station.sensor, SightSwitch)
-        self._shop, self._sensor, self._station, self._halt, self._dt = shop, station.sensor, station, halt, dt
+        self._shop, self._sensor, self._station, self._dt = shop, station.sensor, station, dt
         self._stage = Stage.of(shop)
         self._q = {name: joints[None] for name, joints in halt.joints.items()}
+        self._hands = {shop.name: Hand(tool=halt.tool, opening=halt.opening)}
         self._moving = halt.moving
         self._still, self._what = self._first_of_what_stands()
 
@@ -99,7 +100,7 @@ class Hearing:
         """Where the line meets something first that does not move while the machine stands, and what."""
         starts, ways = self._line(1)
         best, what = np.inf, ""
-        for name, triangles in self._stage.standing(self._q, self._halt.tool, set(self._moving), self._halt.opening):
+        for name, triangles in self._stage.standing(self._q, self._hands, set(self._moving)):
             share = float(_first(triangles, starts, ways)[0])
             if share < best:
                 best, what = share, name

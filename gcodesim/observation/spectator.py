@@ -13,7 +13,7 @@ from gcodesim.arithmetic.matrices import applied, inverse_pose, multiplied
 from gcodesim.diagnostics import Diagnostic, Span
 from gcodesim.frames import Array
 from gcodesim.frozen import frozen
-from gcodesim.observation.stage import Stage, stock_skin, surface_of
+from gcodesim.observation.stage import Hand, Stage, stock_skin, surface_of
 
 if TYPE_CHECKING:
     from gcodesim.executor.record import StepRecord
@@ -95,7 +95,7 @@ class Spectator:
         self._stage = Stage.of(shop)
         self._shapes: dict[str, Array] = {}
         self._at: dict[str, Array] = {}
-        self._tool: int | None = None
+        self._hands: dict[str, Hand] = {}
         self._show_all()
 
     # ---- as a watcher
@@ -111,7 +111,8 @@ class Spectator:
         if self._inner is not None:
             self._inner.start(world_steps, window)
         self._surfaces({name: surface_of(stock) for name, stock in self._shop.stocks.items()})
-        self._picture(world_steps.q[-1], int(window.tool[-1]), None)
+        own = {self._shop.name: world_steps.q[-1][None]}
+        self._picture(own, self._stage.hands_at_start() | {self._shop.name: Hand(tool=int(window.tool[-1]))}, {})
         low, high = self._room()
         # pybullet's window is 90 degrees high, so that a ball around everything fills it from this distance
         self._screen.look_at(0.5 * (low + high), math.sqrt(0.5) * float(np.linalg.norm(high - low)))
@@ -127,8 +128,10 @@ class Spectator:
     def take(self, record: StepRecord, found: Sequence[Diagnostic], seen: _Look) -> Callable[[], None]:
         if self._screen.is_open:
             for k in (*range(self._every - 1, len(record) - 1, self._every), len(record) - 1):
-                parts = None if record.parts is None else record.parts[k]
-                self._picture(record.world.q[k], int(record.window.tool[k]), parts)
+                records = {self._shop.name: record, **record.beside}
+                joints = {name: its.world.q[k][None] for name, its in records.items()}
+                hands = {name: Hand.in_step(its, k, self._shop) for name, its in records.items()}
+                self._picture(joints, hands, record.places(k))
             self._surfaces(seen.surfaces)
             self.answer()
         return _nothing if self._inner is None else self._inner.take(record, found, seen.inner)
@@ -186,34 +189,34 @@ class Spectator:
         self._at[name] = X
         self._screen.place(name, X)
 
-    def _picture(self, q: Array, tool: int, parts: Array | None) -> None:
+    def _picture(self, joints: Mapping[str, Array], hands: Mapping[str, Hand], places: Mapping[str, Array]) -> None:
+        """Show movers at `joints[mover]` (1, j), what they hold, and at their `places` what else has moved."""
         shop = self._shop
-        joints = {shop.name: q[None]}
         for name, mover in shop.scene.movers.items():
             at = mover.kinematics.links(joints.get(name, mover.home[None]))[0]
             for index, link in enumerate(mover.kinematics.link_names):
                 if f"{name}/{link}" in self._shapes:
                     self._place(f"{name}/{link}", multiplied(mover.X_WB.matrix, at[index]))
-        carried = {} if parts is None else dict(zip(_parts_of(shop), parts, strict=False))
         for number, (frame, _) in enumerate(self._stage.bodies):
-            X = carried[frame] if frame in carried else shop.scene.track(frame, joints)[0]
+            X = places[frame] if frame in places else shop.scene.track(frame, joints)[0]
             self._place(f"{frame}#{number}", X)
-        if tool != self._tool:
-            self._change(tool)
-        X_WT = self._stage.tip(joints, tool)
-        for name in self._shapes:
-            if name.startswith("tool#"):
-                self._place(name, X_WT)
+        for holder, hand in hands.items():
+            if hand != self._hands.get(holder):
+                self._change(holder, hand)
+            X_WT = self._stage.tip(joints, hand.tool, holder)
+            for name in self._shapes:
+                if name.startswith(f"tool#{holder}#"):
+                    self._place(name, X_WT)
         for name, placed in shop.stocks.items():
             self._place(f"stock/{name}", shop.scene.track(placed.frame, joints)[0])
 
-    def _change(self, tool: int) -> None:
-        for name in [name for name in self._shapes if name.startswith("tool#")]:
+    def _change(self, mover: str, hand: Hand) -> None:
+        for name in [name for name in self._shapes if name.startswith(f"tool#{mover}#")]:
             self._screen.forget(name)
             del self._shapes[name], self._at[name]
-        for number, skin in enumerate(self._stage.tools.get(tool, ())):
-            self._shape(f"tool#{tool}#{number}", skin.triangles, skin.color)
-        self._tool = tool
+        for number, skin in enumerate(self._stage.held(hand)):
+            self._shape(f"tool#{mover}#{hand.tool}#{number}", skin.triangles, skin.color)
+        self._hands[mover] = hand
 
     def _surfaces(self, surfaces: Mapping[str, Surface]) -> None:
         for name, surface in surfaces.items():
@@ -235,7 +238,7 @@ class Spectator:
         """Where the cell says something of a body."""
         cell, (kind, _, rest) = self._shop.cell, name.partition("#")[0].partition("/")
         if name.startswith("tool#"):
-            return cell.span("tools", int(name.split("#")[1]))
+            return cell.span("tools", int(name.split("#")[2]))
         places: Mapping[str, tuple[str, ...]] = {
             "fixture": ("fixtures", rest),
             "part": ("parts", rest),
@@ -262,12 +265,8 @@ def _links_of(stage: Stage) -> dict[str, tuple[Array, NDArray[np.uint8]]]:
 
 def _label(name: str) -> str:
     """`fixture/vise` of a solid `fixture/vise#0`, `T1` of a part of the tool."""
-    body, _, number = name.partition("#")
-    return f"T{number.partition('#')[0]}" if body == "tool" else body
-
-
-def _parts_of(shop: Shop) -> list[str]:
-    return [body.name for body in shop.scene.bodies if body.role == "part"]
+    body, *rest = name.split("#")
+    return f"T{rest[1]}" if body == "tool" else body
 
 
 def _met(triangles: Array, eye: Array, direction: Array) -> float | None:

@@ -18,6 +18,7 @@ from gcodesim.solids import Placed, triangles_of
 from gcodesim.tools.gripper import Gripper
 
 if TYPE_CHECKING:
+    from gcodesim.executor.record import StepRecord
     from gcodesim.material.surface import Surface
     from gcodesim.shop import PlacedStock, Shop
     from gcodesim.tools.tool import Tool
@@ -44,6 +45,21 @@ class _Skin:
         return _moved(self.triangles, X), self.color
 
 
+@frozen
+class Hand:
+    """What a machine has on its flange: the number of a tool, 0 for none, and how far (0 to 1) a gripper is open."""
+
+    tool: int = 0
+    opening: float = 1.0
+
+    @staticmethod
+    def in_step(record: StepRecord, row: int, shop: Shop) -> Hand:
+        """In a step of a record of the machine."""
+        number = int(record.window.tool[row])
+        tool = shop.tool(number)
+        return Hand(tool=number, opening=record.opening(row, tool.widest) if isinstance(tool, Gripper) else 1.0)
+
+
 @frozen(eq=False)
 class Stage:
     """The bodies of a shop, as triangles in the frames that carry them."""
@@ -66,31 +82,36 @@ class Stage:
     def scenery(
         self,
         q: Mapping[str, Array],
-        tool: int,
+        hands: Mapping[str, Hand],
         surfaces: Mapping[str, Surface],
         *,
         places: Mapping[str, Array] = _AT_REST,
-        opening: float = 1.0,
         lines: Iterable[tuple[Array, Bytes]] = (),
     ) -> Scenery:
-        """Everything with the joints of movers at `q[mover]` (j,), the own mover with `tool`, stocks with `surfaces`.
+        """Everything with the joints of movers at `q[mover]` (j,), their tools in `hands`, stocks with `surfaces`.
 
-        `places` are X_WF (4, 4) of bodies that something else moves, such as parts and devices, by their frames; a
-        gripper is `opening` (0 to 1) open. `lines` (l, 2, 3) [m] in the world are drawn besides.
+        `places` are X_WF (4, 4) of bodies that something else moves, such as parts and devices, by their frames.
+        `lines` (l, 2, 3) [m] in the world are drawn besides.
         """
         rows = {name: joints[None] for name, joints in q.items()}
-        return Scenery.of(self._parts(rows, tool, surfaces, places, opening), lines)
+        return Scenery.of(self._parts(rows, hands, surfaces, places), lines)
+
+    def hands_at_start(self) -> dict[str, Hand]:
+        """What the movers have on their flanges before a program begins."""
+        channels = self.shop.cell.channels.values()
+        own = {each.robot or next(iter(self.shop.scene.movers)): each.loaded_tool or 0 for each in channels}
+        return {name: Hand(tool=own.get(name, 0)) for name in self.shop.scene.movers}
 
     def triangles_of(self, frame: str) -> Array:
         """Triangles (t, 3, 3) [m] of the body of a frame, in that frame."""
         return np.concatenate([np.zeros((0, 3, 3)), *(skin.triangles for name, skin in self.bodies if name == frame)])
 
     def standing(
-        self, q: Mapping[str, Array], tool: int, moving: Collection[str], opening: float
+        self, q: Mapping[str, Array], hands: Mapping[str, Hand], moving: Collection[str]
     ) -> Iterator[tuple[str, Array]]:
-        """Names and triangles (t, 3, 3) [m] in the world of links, tool and bodies, but stocks and what is `moving`.
+        """Names and triangles (t, 3, 3) [m] in the world of links, tools and bodies, but stocks and what is `moving`.
 
-        `q[mover]` (1, j) are joints; a gripper is `opening` (0 to 1) open.
+        `q[mover]` (1, j) are joints.
         """
         for name, mover in self.shop.scene.movers.items():
             at = mover.kinematics.links(q.get(name, mover.home[None]))[0]
@@ -100,25 +121,24 @@ class Stage:
         for frame, skin in self.bodies:
             if frame not in moving:
                 yield frame, skin.at(self.shop.scene.track(frame, q)[0])[0]
-        X_WT = self.tip(q, tool)
-        held = self.shop.tool(tool)
-        for skin in self._held(tool, opening):
-            yield held.name if held is not None else "", skin.at(X_WT)[0]
+        for name, hand in hands.items():
+            held, X_WT = self.shop.tool(hand.tool), self.tip(q, hand.tool, name)
+            for skin in self.held(hand):
+                yield held.name if held is not None else "", skin.at(X_WT)[0]
 
-    def _held(self, tool: int, opening: float) -> Sequence[_Skin]:
-        """The tool on the flange, in the axes of its tip; a gripper is `opening` (0 to 1) open."""
-        held = self.shop.tool(tool)
-        if not isinstance(held, Gripper):
-            return self.tools.get(tool, ())
-        return [*_tool_skins(held, opening)]
+    def held(self, hand: Hand) -> Sequence[_Skin]:
+        """The tool on a flange, in the axes of its tip."""
+        tool = self.shop.tool(hand.tool)
+        if not isinstance(tool, Gripper):
+            return self.tools.get(hand.tool, ())
+        return [*_tool_skins(tool, hand.opening)]
 
     def _parts(
         self,
         q: Mapping[str, Array],
-        tool: int,
+        hands: Mapping[str, Hand],
         surfaces: Mapping[str, Surface],
         places: Mapping[str, Array],
-        opening: float,
     ) -> Iterator[tuple[Array, Bytes]]:
         scene = self.shop.scene
         for name, mover in scene.movers.items():
@@ -127,18 +147,19 @@ class Stage:
                 yield skin.at(multiplied(mover.X_WB.matrix, at[index]))
         for frame, skin in self.bodies:
             yield skin.at(places[frame] if frame in places else scene.track(frame, q)[0])
-        X_WT = self.tip(q, tool)
-        for skin in self._held(tool, opening):
-            yield skin.at(X_WT)
+        for name, hand in hands.items():
+            X_WT = self.tip(q, hand.tool, name)
+            for skin in self.held(hand):
+                yield skin.at(X_WT)
         for name, surface in surfaces.items():
             yield stock_skin(surface).at(scene.track(self.shop.stocks[name].frame, q)[0])
 
-    def tip(self, q: Mapping[str, Array], tool: int) -> Array:
-        """X_WT (4, 4) of the tool on the flange of the own mover, at `q[mover]` (1, j)."""
-        shop = self.shop
-        own = q.get(shop.name, shop.home[None])
-        X_FT = Pose.identity() if (held := shop.tool(tool)) is None else held.X_FT
-        X: Array = multiplied(shop.X_WB.matrix, shop.kinematics.forward(own)[0], X_FT.matrix)
+    def tip(self, q: Mapping[str, Array], tool: int, name: str = "") -> Array:
+        """X_WT (4, 4) of a tool on the flange of a mover, the own one if none is named, at `q[mover]` (1, j)."""
+        mover = self.shop.scene.movers[name or self.shop.name]
+        own = q.get(mover.name, mover.home[None])
+        X_FT = Pose.identity() if (held := self.shop.tool(tool)) is None else held.X_FT
+        X: Array = multiplied(mover.X_WB.matrix, mover.kinematics.forward(own)[0], X_FT.matrix)
         return X
 
 

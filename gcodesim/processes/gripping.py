@@ -11,6 +11,7 @@ turns between the pads, and is lost when nothing touches it any more.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, ClassVar, Final, Protocol
 
 import numpy as np
@@ -165,6 +166,11 @@ class Gripping(Process):
     @classmethod
     def of(cls, tool: Gripper, material: Material | None) -> Gripping:
         return cls(gripper=tool)
+
+    @classmethod
+    def is_seen_on(cls, signals: Mapping[str, NDArray[Any]], tool: Gripper) -> Flags:
+        """While it is told to be closed; only a vacuum shows that, fingers are seen by themselves."""
+        return signals[GRIP.name] > 0.5
 
     def begin(self) -> ProcessState:
         values = np.zeros(_State.SIZE)

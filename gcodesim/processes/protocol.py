@@ -157,6 +157,11 @@ class Process:
         """
         return None
 
+    @classmethod
+    def is_seen_on(cls, signals: Mapping[str, NDArray[Any]], tool: Any) -> NDArray[np.bool_] | None:
+        """Whether the log draws it as switched on (n,): what gives something off while it is on; None as of `is_on`."""
+        return cls.is_on(signals, tool)
+
     @property
     def zone(self) -> Zone:
         """Where it acts, seen from the tip of its tool."""

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import fields, replace
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from gcodesim.jobs.switching import switched_tools
+from gcodesim.jobs.switching import tools_seen_on
 from gcodesim.log import DrawnShape
 from gcodesim.recorder.bodies import drawn
 
@@ -44,7 +45,8 @@ class Plumes:
 
     def follow(self, path: ToolPath) -> None:
         """The run goes on along `path`, which begins with all that there was before."""
-        self._on = _rows_on(path, self._shop) if self._has_any else np.zeros(len(path), dtype=bool)
+        ends_on = np.zeros(len(path) + 1, dtype=bool)  # in each row, and after the last one
+        self._on = _rows_on(_with_end(path), self._shop) if self._has_any and len(path) else ends_on
 
     def changes(
         self, rows: NDArray[np.int64], tools: NDArray[np.int64], t_ns: NDArray[np.int64]
@@ -53,7 +55,7 @@ class Plumes:
 
         The windows of a run may be cut anywhere: only the first instant of each look counts.
         """
-        if not self._has_any or not len(rows) or not len(self._on):
+        if not self._has_any or not len(rows) or len(self._on) < 2:
             return []
         looks, first = np.unique(t_ns // self._look_ns, return_index=True)
         first = first[looks > self._look]
@@ -65,10 +67,27 @@ class Plumes:
         self._lit = int(lit[-1])
         return [(int(first[k]), bool(lit[k] > 0)) for k in fresh]
 
+    @property
+    def goes_off_at_end(self) -> bool:
+        """Whether the tool was seen to be on, and the words after the last move switch it off."""
+        return self._lit > 0 and not self._on[-1]
+
+
+def _with_end(path: ToolPath) -> ToolPath:
+    """A path with one row more, in which the machine stands where it has come to."""
+    n = len(path)
+    columns = {each.name: getattr(path, each.name) for each in fields(path)}
+    longer: dict[str, Any] = {
+        k: np.concatenate([v, v[-1:]]) for k, v in columns.items() if isinstance(v, np.ndarray) and len(v) == n
+    }
+    if len(path.extrude):
+        longer["extrude"] = np.append(path.extrude, 0.0)
+    return replace(path, **longer)
+
 
 def _rows_on(path: ToolPath, shop: Shop) -> NDArray[np.bool_]:
     """Whether the tool in use is switched on by words of the program, or pushes filament, in each row (n,)."""
     on: NDArray[Any] = path.extrude > 0.0 if len(path.extrude) else np.zeros(len(path), dtype=bool)
-    for switched in switched_tools(path, shop):
+    for switched in tools_seen_on(path, shop):
         on = on | (switched.held & switched.on)
     return on

@@ -13,7 +13,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.arithmetic.matrices import applied, multiplied, norms
-from gcodesim.canon import ToolChange
 from gcodesim.diagnostics import Diagnostic
 from gcodesim.executor.record import StepRecord
 from gcodesim.files.output_folder import LOG_NAME, RESULTS_NAME
@@ -23,7 +22,6 @@ from gcodesim.jobs.job import BULLET
 from gcodesim.jobs.pace import log_period_ns
 from gcodesim.jobs.results import Results
 from gcodesim.log import (
-    DrawnShape,
     Entity,
     LogDescription,
     LogWriter,
@@ -39,25 +37,24 @@ from gcodesim.log.topics import DRAWN, LOOSE, MOST_TILES, Topic
 from gcodesim.motion.tool_path import HOME, RAPID
 from gcodesim.processes.column import FORCE, LOG, POWER, RESULTS, TORQUE, Column
 from gcodesim.recorder.blocks import Blocks
-from gcodesim.recorder.bodies import cell_entities, tile_meshes, tool_shapes, tools_in_stands
+from gcodesim.recorder.bodies import cell_entities, tile_meshes
 from gcodesim.recorder.films import MOST_FILM_LOOKS, FilmGlimpse, Films
 from gcodesim.recorder.frames import Frames, seven, stock_frame, work_systems
 from gcodesim.recorder.instants import Instants
 from gcodesim.recorder.limits import JointLimits
 from gcodesim.recorder.look import layout_kind, view_of
 from gcodesim.recorder.loose import LoosePieces
-from gcodesim.recorder.plumes import Plumes, plume_shapes
 from gcodesim.recorder.pose_kernels import bend, compare
 from gcodesim.recorder.reporter import Reporter
 from gcodesim.recorder.result_files import write_files
 from gcodesim.recorder.sensed import image_topics, sensor_message, sensor_topics
 from gcodesim.recorder.texts import Texts
-from gcodesim.recorder.tool_times import ToolTimes
+from gcodesim.recorder.tool_shown import ToolShown
 from gcodesim.recorder.ways import Ways
-from gcodesim.tools.gripper import Gripper
 from gcodesim.units import DEG, MM
 
 if TYPE_CHECKING:
+    from gcodesim.diagnostics import SourceText
     from gcodesim.executor import Execution
     from gcodesim.executor.window import StepWindow
     from gcodesim.jobs.job import Job
@@ -67,7 +64,6 @@ if TYPE_CHECKING:
     from gcodesim.observation.schedule import Station
     from gcodesim.planning import Plan
     from gcodesim.sensors.outputs import Output
-    from gcodesim.tools.tool import Tool
     from gcodesim.world import WorldSteps
 
 Seen = tuple[Sequence["Glimpse"], Sequence[FilmGlimpse]]
@@ -140,15 +136,12 @@ class Recorder:
         self._cut_at: Array = np.zeros(3)  # where the tip is over the work
         self._force_shown = False
         self._now_ns = 0
-        self._tool = -1
-        self._fingers = (-1, 1.0)
-        self._plumes = Plumes(self._shop, self._plan.path, self._plan.trajectory.duration_ns)
+        self._tool_shown = ToolShown(job, self._frames.tool, is_first=not prefix)
         self._is_first = not prefix
-        together = [] if job.alone else [job, *job.others]
-        self._tool_times = [ToolTimes.of(each, self._step_ns) for each in together if each.plan is not None]
 
     def _begin_with(self, writer: LogWriter) -> None:
         self._writer = writer
+        self._tool_shown.writer = writer
         self._reporter = Reporter(writer, self._job.shown(self._job.findings))
         self._texts = Texts(writer, self._plan.trajectory.events)
 
@@ -222,7 +215,8 @@ class Recorder:
         }
         others = self.others
         for other in others:
-            attachments |= {name: data for name, data in other.attachments.items() if name not in attachments}
+            known = {*attachments, job.program.name} if other.runs(job.program) else {*attachments}
+            attachments |= {name: data for name, data in other.attachments.items() if name not in known}
         records = {f"gcodesim.joints.{other.channel}": other.joint_limits for other in others}
         if others:
             records["gcodesim.channels"] = {each.channel: each.program.name for each in job.all}
@@ -273,7 +267,7 @@ class Recorder:
         self._cut_at = self._frames.seen_from_table(world.q, X_WT)[0, :3, 3]
         self._reporter.until(0)
         self._texts.until(0)
-        self._changes_of_tool(0, -1, window)
+        self._tool_shown.start(window)
         for index, tiles in enumerate(self._tiles):
             self._draw(0, index, tiles.all())
         record = record_of(window, world, [], self._sheet)
@@ -307,9 +301,7 @@ class Recorder:
         self._begin_blocks(int(ends[-1]))
         self._reporter.until(int(ends[-1]), found, begin_ns=self._now_ns + 1)
         self._texts.until(int(ends[-1]))
-        self._changes_of_tool(self._now_ns, int(ends[-1]), window)
-        self._moves_of_fingers(record, ends, logged)
-        self._switches(record, ends, logged)
+        self._tool_shown.take(record, logged, self._now_ns, ends)
         self._moves_of_pieces(record, int(ends[-1]))
         self._write(record, ends[logged], logged)
         self._now_ns = int(ends[-1])
@@ -339,7 +331,7 @@ class Recorder:
         self._plan = plan
         self._systems = work_systems(self._shop, plan.path)
         self._speeds = np.array([state.spindle for state in plan.path.states])
-        self._plumes.follow(plan.path)
+        self._tool_shown.follow(plan)
         self._ways = self._ways.followed_by(Ways.of(plan, self._shop, rows))
         frame = self._frames.path_frame
         self._blocks = Blocks.of(plan, self._shop, self._job.sources, self._ways, frame)
@@ -368,70 +360,6 @@ class Recorder:
             name, frame, X = self._films.frame(film.number, self._frames)
             self._writer.film(self._now_ns, film.number, f"film/{name}", self._films.draw(film, X), frame)
 
-    def _changes_of_tool(self, from_ns: int, to_ns: int, window: StepWindow) -> None:
-        """Write the tool in the spindle when it has changed."""
-        if self._tool_times:
-            self._known_changes(from_ns, to_ns)
-            return
-        for k in np.flatnonzero(np.diff(window.tool, prepend=self._tool) != 0):
-            number = int(window.tool[k])
-            t_ns = 0 if to_ns < 0 else int(window.ticks[k]) * self._step_ns
-            span = self._change_span(number, int(window.row[k]))
-            self._tool = number
-            self._draw_tool(t_ns, self._shop.tool(number))
-            if to_ns >= 0 or span[1]:  # at the start: put there by the first change, or by nobody
-                self._tell_of_tool(t_ns, *span)
-
-    def _known_changes(self, from_ns: int, to_ns: int) -> None:
-        """Of programs that run side by side: a tool that several use is in one place, in a spindle or in its stand."""
-        own, *others = self._tool_times
-        if to_ns < 0:
-            self._tool, _ = own.at(0)
-            self._draw_tool(0, self._shop.tool(self._tool))
-        for t_ns in sorted({t_ns for times in (own, *others) for t_ns in times.changes(from_ns, to_ns)}):
-            number, span = own.at(t_ns)
-            changed, self._tool = number != self._tool, number
-            opening = self._fingers[1] if self._fingers[0] == number else 1.0
-            self._draw_tool(t_ns, self._shop.tool(number), opening)
-            if changed and span is not None:
-                self._tell_of_tool(t_ns, span.file, span.line)
-
-    def _tell_of_tool(self, t_ns: int, file: str, line: int) -> None:
-        tool = self._shop.tool(self._tool)
-        name = "no tool" if self._tool == 0 else tool.name if tool is not None else f"T{self._tool}"
-        self._writer.event(t_ns, "toolchange", name, file=file, line=line)
-
-    def _draw_tool(self, t_ns: int, tool: Tool | None, opening: float = 1.0, plume: Sequence[DrawnShape] = ()) -> None:
-        """Draw the tool in the spindle; the first channel also draws those that wait in stands, for all machines."""
-        waiting = []
-        if self._is_first:
-            in_use = self._tool if tool is None else tool.number
-            waiting = tools_in_stands(self._shop, {in_use, *(times.at(t_ns)[0] for times in self._tool_times[1:])})
-        self._writer.tool(t_ns, (*tool_shapes(tool, opening), *plume), self._frames.tool, waiting)
-
-    def _moves_of_fingers(self, record: StepRecord, ends: Any, logged: Any) -> None:
-        """Draw a gripper anew when its fingers stand elsewhere than in the instant before."""
-        if "opening" not in record.columns:
-            return
-        for k in logged.tolist():
-            tool = self._shop.tool(int(record.window.tool[k]))
-            if not isinstance(tool, Gripper) or not tool.widest:
-                continue
-            opening = min(float(record["opening"][k]) / tool.widest, 1.0)
-            if (tool.number, opening) != self._fingers:
-                self._fingers = (tool.number, opening)
-                if tool.number == self._tool:
-                    self._draw_tool(int(ends[k]), tool, opening)
-
-    def _switches(self, record: StepRecord, ends: Any, logged: Any) -> None:
-        """Draw a tool anew when it is switched on or off; one that is taken is drawn as if it were off."""
-        window = record.window
-        for k, is_on in self._plumes.changes(window.row[logged], window.tool[logged], ends[logged]):
-            number = int(window.tool[logged[k]])
-            if number == self._tool or not self._tool_times:  # it may have been changed since then
-                tool = self._shop.tool(number)
-                self._draw_tool(int(ends[logged[k]]), tool, plume=plume_shapes(tool) if is_on else ())
-
     def _moves_of_pieces(self, record: StepRecord, t_ns: int) -> None:
         """Draw pieces of stocks on their way down; those that further channels free are taken as they come, too."""
         if self._loose is None:
@@ -440,14 +368,6 @@ class Recorder:
             self._loose.add(body)
         for at_ns, entities in self._loose.until(t_ns) if self._is_first else ():
             self._writer.sensed(at_ns, LOOSE.name, entities_update(at_ns, entities))
-
-    def _change_span(self, number: int, row: int) -> tuple[str, int]:
-        if number == 0 and self._shop.cell.magazine.stands:  # on its way from one stand to the next
-            return self._plan.path.span(row).file, self._plan.path.span(row).line
-        for timed in self._plan.trajectory.events:
-            if isinstance(timed.event, ToolChange) and timed.event.tool == number:
-                return timed.event.span.file, timed.event.span.line
-        return "", 0
 
     def _write(self, record: StepRecord, t_ns: Any, at: Any) -> None:
         """The log instants `t_ns` (m,), which are steps `at` (m,) of the record."""
@@ -571,6 +491,8 @@ class Recorder:
     def finish(self, results: Results, execution: Execution) -> None:
         """Close the log and write results and stocks beside it."""
         self._write_instants()
+        for each in () if execution.interrupted else (self, *self.others):
+            each._tool_shown.end(self._now_ns)
         for index, tiles in enumerate(self._tiles):
             self._draw(self._now_ns, index, tiles.changed().draw())
         self._draw_films(self._films.look(last=True))
@@ -637,6 +559,11 @@ class FurtherRecorder(Recorder):
     @property
     def joint_limits(self) -> Mapping[str, str]:
         return self._limits.record
+
+    def runs(self, program: SourceText) -> bool:
+        """Whether its program is this one, as that of a session with several machines is."""
+        own = self._job.program
+        return (own.name, own.raw) == (program.name, program.raw)
 
     @property
     def attachments(self) -> dict[str, bytes]:

@@ -43,6 +43,7 @@ if TYPE_CHECKING:
     from gcodesim.planning.borne_work import BorneWork
 
 _MOST_WAITING: Final = 10_000  # steps: then they are run, though nobody asks what they did
+_MOST_UNCHECKED: Final = 100  # legs: then they are checked, though nobody asks for findings
 
 
 def open_cell(
@@ -244,6 +245,7 @@ class OpenCell:
     def findings(self) -> list[Diagnostic]:
         """What has been found so far, with the severities of the cell."""
         self._flush()
+        self._tell_of_motion()
         return self._job.shown(self._job.findings)
 
     @property
@@ -280,6 +282,7 @@ class OpenCell:
                 if not self._first.has_begun:
                     self._pass(1)  # so that there is a log of a cell in which nothing was done
                 self._flush()
+            self._tell_of_motion()
         finally:
             self._closed = True
             self._run.end(interrupted=interrupted)
@@ -309,9 +312,8 @@ class OpenCell:
             self._pass(1)
         self._flush()
         own = self._first if tool is None else self._holder(tool) or self._first
-        assert own.record is not None
-        beside = {machine.shop.name: machine.measured for machine in self._machines if machine is not own}
-        return Present(shop=own.shop, record=own.record, beside=beside)
+        records = {machine.shop.name: machine.record for machine in self._machines if machine.record is not None}
+        return Present(shop=own.shop, records=records)
 
     def _check_open(self) -> None:
         if self._closed:
@@ -377,8 +379,10 @@ class OpenCell:
             machine.forget_waiting()
             whole.append(self._filled(leg, steps))
         self._waiting_steps = 0
-        for machine, leg in zip(self._machines, whole, strict=True):
-            self._tell_of(machine, leg)
+        begin = self._done_steps * self._step_ns * 1e-9
+        kept = [machine.check_later(leg, begin) for machine, leg in zip(self._machines, whole, strict=True)]
+        if max(kept) >= _MOST_UNCHECKED:
+            self._tell_of_motion()
         self._done_steps += steps
         self._run.advance(whole)
 
@@ -393,18 +397,11 @@ class OpenCell:
         pause = Pause(span=caller.line(), seconds=end - leg.trajectory.duration)
         return replace(leg, trajectory=standing_until(leg.trajectory, end, pause))
 
-    def _tell_of(self, machine: MovedMachine, leg: Plan) -> None:
-        """Report what is wrong with the motion of a leg."""
-        shop, begin = machine.shop, self._done_steps * self._step_ns * 1e-9
-        found = list(leg.findings)
-        if shop.cell.fixtures:
-            from gcodesim.checks.clearance import clearance_findings, standing_bodies
-
-            bodies = standing_bodies(shop.scene, shop.name)
-            found += clearance_findings(leg, shop.cell.tools, bodies, X_BM=shop.X_BM)
-        for finding in found:
-            later = replace(finding, time=None if finding.time is None else finding.time + begin)
-            self._job.findings.add(later, key=(later.code, later.span, "of a session"))
+    def _tell_of_motion(self) -> None:
+        """Report what is wrong with the motion of all legs so far, and what they hit."""
+        for machine in self._machines:
+            for finding in machine.found():
+                self._job.findings.add(finding, key=(finding.code, finding.span, finding.bodies))
 
     def _run_path(self, own: MovedMachine, path: ToolPath, frame: str, active: bool | None) -> None:
         """Run moves as a program would, from where the machine stands, with the tool that it holds."""

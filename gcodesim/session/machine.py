@@ -2,32 +2,38 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from functools import reduce
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from gcodesim.cell.standing import standing_of
+from gcodesim.checks.told_once import told_once
 from gcodesim.frames import Array
 from gcodesim.motion.tool_path import PathEvent, ToolPath, ToolState
 from gcodesim.planning import plan_path, posing_of
 from gcodesim.planning.joint_moves import JointMove
 from gcodesim.planning.joint_spline import JointSpline
+from gcodesim.planning.legs import followed_by
 from gcodesim.planning.shop_posing import bearers_of, loads_of
 from gcodesim.session import caller
 from gcodesim.session.misuse import MisuseError
+from gcodesim.session.run_thread import SessionLegs
 from gcodesim.session.servo_kernels import JointBounds, approach
 from gcodesim.session.switches import Switches
 from gcodesim.session.table_plan import Stretched, merged, plan_of
 
 if TYPE_CHECKING:
+    from gcodesim.diagnostics import Diagnostic
     from gcodesim.executor.record import StepRecord
     from gcodesim.jobs.job import Job
     from gcodesim.planning import Plan
     from gcodesim.planning.borne_work import BorneWork
     from gcodesim.shop import Shop
 
+_AT_ONCE: Final = 1e-9  # [s] within which what is there at the beginning of a way is met
 _UNLIMITED: Final = 1e6  # [rad/s, m/s, and per s] where a description names no limit
 
 
@@ -49,7 +55,13 @@ class MovedMachine:
         self.switches = Switches()
         self.record: StepRecord | None = None
         self._waiting: list[Stretched] = []
+        self._unchecked: list[Plan] = []
+        self._unchecked_from = 0.0  # [s]
+        self._hit: set[tuple[str, tuple[str, ...]]] = set()  # codes and bodies that were told
         self._bounds = _bounds(self.shop)
+        self._posing = posing_of(self.shop)
+        assert isinstance(job.legs, SessionLegs)
+        self._checks = job.legs.checks
         job.seen = self._see
 
     def _see(self, record: StepRecord) -> None:
@@ -149,7 +161,10 @@ class MovedMachine:
         stretches = merged(self._waiting)
         if not stretches:
             return None
-        return plan_of(stretches, self.shop, self._dt, standing_of(self.shop.cell, self.shop.channel))
+        return self._plan_of(stretches)
+
+    def _plan_of(self, stretches: Sequence[Stretched]) -> Plan:
+        return plan_of(stretches, self.shop, self._posing, self._dt, standing_of(self.shop.cell, self.shop.channel))
 
     def leg_along(self, path: ToolPath, system: int, active: bool | None, borne: BorneWork | None) -> Plan:
         """The plan of moves in a work system, as of a program, from where the machine stands, with the tool in hand.
@@ -188,12 +203,39 @@ class MovedMachine:
     def standing_plan(self) -> Plan:
         """A plan of one step in which it stands where it is."""
         still = Stretched(q=np.vstack([self.q, self.q]), state=self.state, span=caller.line(), active=False)
-        return plan_of([still], self.shop, self._dt, standing_of(self.shop.cell, self.shop.channel))
+        return self._plan_of([still])
 
     def borne_work(self, plans: Mapping[str, Plan]) -> BorneWork | None:
         """Where the work systems are that other machines bear, at the beginning of their `plans`."""
         bearers = bearers_of(self.shop, plans)
         return None if bearers is None else bearers.after_waits((), self.shop.X_WB)
+
+    # ---- what is wrong with legs, and what they hit
+
+    def check_later(self, leg: Plan, begin: float) -> int:
+        """Keep a leg that begins at `begin` [s] to be checked; says how many are kept."""
+        if not self._unchecked:
+            self._unchecked_from = begin
+        self._unchecked.append(leg)
+        return len(self._unchecked)
+
+    def found(self) -> Iterator[Diagnostic]:
+        """Check the legs that are kept, all at once: each check has much to prepare, and legs may be short.
+
+        What was in something else already when they began has been told with the legs before.
+        """
+        legs, self._unchecked = self._unchecked, []
+        if not legs:
+            return
+        plan, begin = reduce(followed_by, legs), self._unchecked_from
+        for finding in told_once(plan.findings, self._checks.hits(plan)):
+            print("DBG", finding.code, repr(finding.time), begin)
+            what, goes_on = (finding.code, finding.bodies), (finding.time or 0.0) <= _AT_ONCE
+            if what in self._hit and goes_on:
+                continue
+            if finding.bodies:
+                self._hit.add(what)
+            yield replace(finding, time=None if finding.time is None else finding.time + begin)
 
     def forget_waiting(self) -> None:
         """The steps that waited are about to be run."""

@@ -10,11 +10,13 @@ from typing import TYPE_CHECKING
 
 from gcodesim import simulation
 from gcodesim.diagnostics import Severity
+from gcodesim.jobs.leg_checks import LegChecks
 from gcodesim.jobs.meetings import together
 from gcodesim.planning.legs import followed_by
 from gcodesim.shop import with_stock
 
 if TYPE_CHECKING:
+    from gcodesim.checks.stock_watch import StockWatch
     from gcodesim.executor import Progress
     from gcodesim.executor.halt import RunHalt
     from gcodesim.jobs.job import Job
@@ -28,7 +30,9 @@ class SessionLegs:
     ended = False
 
     def __init__(self, job: Job) -> None:
+        assert job.shop is not None
         self._job = job
+        self.checks = LegChecks(job.shop)
 
     def onward(self, halt: RunHalt | None = None) -> Plan | None:
         """The plan of all legs, the latest included, which the session has put into the job."""
@@ -45,8 +49,10 @@ class SessionLegs:
     def stop(self) -> None:
         """Nothing is left to report."""
 
-    def watch_stocks(self) -> None:
-        """What a session moves is not checked for collisions."""
+    def watch_stocks(self) -> StockWatch | None:
+        """Who looks at what the machine does to stocks as they then are."""
+        assert self._job.shop is not None
+        return self.checks.watch(self._job, self._job.shop)
 
     def tell_of_untouched_stock(self) -> None:
         """A session does not probe."""

@@ -11,9 +11,9 @@ from numpy.typing import ArrayLike, NDArray
 from gcodesim.arithmetic.matrices import norm
 from gcodesim.frames import Array
 from gcodesim.frozen import frozen
-from gcodesim.observation.eyes import load_at, place_of, seen_in
+from gcodesim.observation.eyes import load_at, place_of
 from gcodesim.observation.schedule import Station
-from gcodesim.observation.stage import Stage, surface_of
+from gcodesim.observation.stage import Hand, Stage, surface_of
 from gcodesim.sensors.noise import Noise
 from gcodesim.sensors.optics import Optics
 from gcodesim.sensors.outputs import DepthMap, Output, Picture
@@ -29,16 +29,18 @@ if TYPE_CHECKING:
 
 @frozen(eq=False)
 class Present:
-    """A shop as the last step has left it."""
+    """A shop as the last step has left it; `records` are of that step, by machines, the first channel's first."""
 
     shop: Shop
-    record: StepRecord
-    beside: Mapping[str, Array]
-    """Joints (j,) of the other machines, by name."""
+    records: Mapping[str, StepRecord]
+
+    @property
+    def record(self) -> StepRecord:
+        return self.records[self.shop.name]
 
     @property
     def q(self) -> dict[str, Array]:
-        return {self.shop.name: self.record.world.q[-1], **self.beside}
+        return {name: record.world.q[-1] for name, record in self.records.items()}
 
     @property
     def tool(self) -> int:
@@ -46,7 +48,9 @@ class Present:
 
     def scenery(self, stage: Stage) -> Scenery:
         surfaces = {name: surface_of(placed) for name, placed in self.shop.stocks.items()}
-        return seen_in(stage, self.q, self.tool, surfaces, self.record, len(self.record) - 1)
+        hands = {name: Hand.in_step(its, len(its) - 1, self.shop) for name, its in self.records.items()}
+        first = next(iter(self.records.values()))
+        return stage.scenery(self.q, hands, surfaces, places=first.places(len(first) - 1))
 
     def reading(self, station: Station, seed: int, number: int) -> Mapping[str, Output]:
         """What a sensor reads now, as reading `number`."""

@@ -19,11 +19,12 @@ from gcodesim.motion.pieces import AxisLimits
 from gcodesim.motion.standing import Duration
 from gcodesim.motion.timing import time_law
 from gcodesim.motion.tool_path import EXACT_STOP, LINE, PathEvent, ToolPath, ToolState
-from gcodesim.planning import Plan, posing_of
+from gcodesim.planning import Plan
 from gcodesim.planning.plan import JointExtremes
 
 if TYPE_CHECKING:
     from gcodesim.motion.trajectory import Samples
+    from gcodesim.planning.posing import Posing
     from gcodesim.shop import Shop
 
 _LEAST_FEED = 1e-9  # [m/s] of a row in which the tip stands
@@ -81,10 +82,13 @@ def merged(stretches: Sequence[Stretched]) -> list[Stretched]:
     return [replace(same[0], q=np.concatenate([same[0].q, *(later.q[1:] for later in same[1:])])) for same in found]
 
 
-def plan_of(stretches: Sequence[Stretched], shop: Shop, dt: float, duration_of: Duration) -> Plan:
-    """The plan of a leg, one row for each of the stretches; the path is in base axes, as that of every plan."""
+def plan_of(stretches: Sequence[Stretched], shop: Shop, posing: Posing, dt: float, duration_of: Duration) -> Plan:
+    """The plan of a leg, one row for each of the stretches; the path is in base axes, as that of every plan.
+
+    `posing` says where the controlled point of the shop's machine is.
+    """
     count = len(stretches)
-    start, end = (_points(shop, [stretch.q[row] for stretch in stretches]) for row in (0, -1))
+    start, end = (_points(shop, posing, [stretch.q[row] for stretch in stretches]) for row in (0, -1))
     times = np.array([(len(stretch.q) - 1) * dt for stretch in stretches])
     ways = np.array([norm(way) for way in (end - start)[:, :3]])
     blank = ToolPath.from_points(np.zeros((count + 1, 3)))
@@ -112,9 +116,8 @@ def plan_of(stretches: Sequence[Stretched], shop: Shop, dt: float, duration_of: 
     )
 
 
-def _points(shop: Shop, vectors: Sequence[Array]) -> Array:
+def _points(shop: Shop, posing: Posing, vectors: Sequence[Array]) -> Array:
     """The controlled point (n, 6) of joint vectors, in base axes."""
-    posing = posing_of(shop)
     points = np.array([posing.start(shop.kinematics, q) for q in vectors], dtype=float)
     points[:, :3] = shop.X_BM.apply(points[:, :3])
     return points

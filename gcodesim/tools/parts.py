@@ -61,6 +61,7 @@ LIGHT: Final = BodyPart(words="the beam", color=(1.0, 0.2, 0.1, 0.8))
 FLAME: Final = BodyPart(words="the arc", color=(0.55, 0.8, 1.0, 0.85))
 STREAM: Final = BodyPart(words="the stream", color=(0.45, 0.7, 0.95, 0.6))
 STRAND: Final = BodyPart(words="the strand", color=(0.95, 0.5, 0.1, 0.9))
+SUCTION: Final = BodyPart(words="the suction", color=(0.3, 0.85, 0.45, 0.8))
 
 PARTS = Family(
     "parts",
@@ -79,6 +80,7 @@ PARTS = Family(
     flame="gcodesim.tools.parts:FLAME",
     stream="gcodesim.tools.parts:STREAM",
     strand="gcodesim.tools.parts:STRAND",
+    suction="gcodesim.tools.parts:SUCTION",
 )
 
 

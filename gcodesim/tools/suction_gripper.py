@@ -19,6 +19,7 @@ from gcodesim.tools.gripper import Gripper
 from gcodesim.units import MM
 
 _RIM: Final = 8  # points of a rim that have to be on the part
+_COLLAR: Final = 3.0 * MM
 
 
 @frozen
@@ -56,6 +57,14 @@ class SuctionGripper(Gripper):
             cups.append(Primitive(body.part, body.placed.at(Pose.from_xyz_rpy((*cup.at, 0.0)))))
         stem = cylinder("gripper", max(0.25 * max(cup.diameter for cup in self.cups), 5.0 * MM), high, self.length)
         return (*cups, stem, *self._holder_bodies())
+
+    @property
+    def plume(self) -> tuple[Primitive, ...]:
+        """A collar round the edge of each cup, so that one sees that the vacuum is on."""
+        high = min(_COLLAR, 0.25 * self.length)
+        collars = [cylinder("suction", 0.5 * cup.diameter + _COLLAR, 0.5 * high, 1.5 * high) for cup in self.cups]
+        places = [Pose.from_xyz_rpy((*cup.at, 0.0)) for cup in self.cups]
+        return tuple(Primitive(own.part, own.placed.at(X)) for own, X in zip(collars, places, strict=True))
 
     def has(self, contacts: Array) -> float:
         from gcodesim.tools.grip_laws import suction_force

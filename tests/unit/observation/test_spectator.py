@@ -57,12 +57,12 @@ def test_bodies_stand_in_the_window_where_the_run_left_them(folder: Path) -> Non
     spectator, window, _ = _shown(folder, None)
     try:
         names = set(window._bodies)
-        assert {"stock/plate", "tool#1#0"} <= names and any(name.startswith("arm/") for name in names)
+        assert {"stock/plate", "tool#arm#1#0"} <= names and any(name.startswith("arm/") for name in names)
         for name, parts in window._bodies.items():
             for body in parts:
                 at, _ = p.getBasePositionAndOrientation(body, physicsClientId=window._client)
                 assert at == pytest.approx(spectator._at[name][:3, 3], abs=1e-6), name
-        X_WT = spectator._at["tool#1#0"]
+        X_WT = spectator._at["tool#arm#1#0"]
         assert X_WT[:3, 3] == pytest.approx([0.645, 0.015, 0.33], abs=1e-4)
         cut = spectator._shapes["stock/plate"]
         assert (

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 import gcodesim
+from gcodesim.log.logfile import LogFile
 from gcodesim.log.reader import read_messages
 from gcodesim.motion.tool_path import EXACT_STOP
 from gcodesim.session import MisuseError, OpenCell
@@ -184,3 +185,53 @@ def test_a_sensor_on_the_second_arm_is_read_there(tmp_path: Path) -> None:
         cell.tool(2).couple(right)
         cell.step(0.1)
         assert cell.camera("T2").picture().shape == (24, 32, 3)
+
+
+def test_pictures_show_the_tools_of_all_machines(tmp_path: Path) -> None:
+    """Two arms alike, beside each other: the picture from above the one is that from above the other."""
+    cell_text = CELL.replace("xyz: [1700, 0, 0], rpy: [0, 0, 180]", "xyz: [0, 3000, 0]")
+    cell_text = cell_text.replace(
+        "type: flat_end_mill, diameter: 4, flutes: 2", "type: flat_end_mill, diameter: 6, flutes: 3"
+    )
+
+    def seen(cell: OpenCell) -> list[np.ndarray]:
+        at = [arm.endeffector_pose[0] for arm in cell.robots]
+        return [cell.picture(p + np.array([0.3, 0.0, 0.1]), p, width=80, height=60, field_of_view=0.6) for p in at]
+
+    with gcodesim.open_cell(_cell(tmp_path, cell_text)) as cell:
+        bare = seen(cell)
+        for number, arm in enumerate(cell.robots, 1):
+            cell.tool(number).couple(arm)
+        cell.step(0.1)
+        held = seen(cell)
+    assert np.array_equal(*bare) and np.array_equal(*held)
+    assert not np.array_equal(bare[0], held[0])
+
+
+def test_what_links_hit_is_told_with_the_line_of_the_script(tmp_path: Path) -> None:
+    """Fixtures, the machine itself and stocks, as in a run; asking meanwhile changes nothing."""
+    post = "fixtures: {post: {box: [200, 200, 1200], xyz: [0, 600, 0]}}\nsimulation:"
+
+    def told(*, asks: bool) -> list[tuple[str, str]]:
+        with gcodesim.open_cell(_cell(tmp_path, CELL.replace("simulation:", post))) as cell:
+            left, _ = cell.robots
+            left.move_joints({left.joint_names[1]: -0.5, left.joint_names[2]: 0.3})
+            assert not asks or not cell.findings
+            left.move_joints({left.joint_names[0]: -1.2})
+            assert not asks or [finding.code for finding in cell.findings] == ["GS305"]
+            left.move_joints({left.joint_names[0]: 0.0})
+            left.move_to([0.85, 0.0, 0.2])  # into the plate, and the fork of the arm after the flange
+        lines = Path(__file__).read_text().splitlines()
+        return [(found.code, lines[found.span.line - 1].strip()) for found in cell.results.findings]
+
+    found = told(asks=False)
+    assert {code for code, _ in found} >= {"GS305", "GS307"} and found == told(asks=True)
+    assert ("GS305", "left.move_joints({left.joint_names[0]: -1.2})") in found
+    assert all("move_to" in line for code, line in found if code == "GS307")
+
+
+def test_the_log_has_one_copy_of_the_script(tmp_path: Path) -> None:
+    with gcodesim.open_cell(_cell(tmp_path), out=tmp_path / "out") as cell:
+        cell.step(0.01)
+    attached = LogFile.open(tmp_path / "out" / "run.mcap").attachments
+    assert "program.nc" in attached and Path(__file__).name not in attached
