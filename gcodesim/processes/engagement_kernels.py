@@ -344,7 +344,7 @@ def note_rims(
         for k in range(n):
             known[k], steps[k] = known[0], 0.0
         room.weights[i, 0], room.weights[i, n - 1] = 1.0 if left_full else 0.0, 1.0 if right_full else 0.0
-        rows[i, FROM], rows[i, TO] = 0, n
+        rows[i, FROM], rows[i, TO] = 0, max(int(rows[i, TO]), n)
         note_limit(room.seams, number, i, 0, n - 1, left.angle)
         return number + 1
     if left.angle != NO_LIMIT:
@@ -435,7 +435,9 @@ def contact_of_rows(
                 left -= leave_wall(limit_angle, steps)
         rows[i, FROM], rows[i, TO] = reach_of(known, steps)
         told = 0
-        if walled and behind == 0 and sin_kappa > UPRIGHT:
+        # of a tool that falls on an arc, what is ahead stands lower and turned: only the search for seams knows it
+        sides_known = behind == 0 or heading.turn == 0.0
+        if walled and sides_known and sin_kappa > UPRIGHT:
             span = span_of(tip, heading, clearance, rows, i)
             limit = at_row(at_left, tip, beside_way, clearance, span, known[0], True)
             if limit.angle != NO_LIMIT:
@@ -447,7 +449,7 @@ def contact_of_rows(
                 told += AT_RIGHT
                 beyond = share_beyond(field, tip, beside_way, clearance, span, limit, False)
                 waiting = note_side(circle, clearance, shares_in(room), i, limit, beyond, False, waiting)
-        if rimmed and behind == 0 and sin_kappa > UPRIGHT:
+        if rimmed and sides_known and sin_kappa > UPRIGHT:
             waiting = note_rims(field, pieces, circle, tip, beside_way, clearance, room, i, told, waiting)
         if left > 0:
             found_steps = Steps(known, steps, room.leans)
