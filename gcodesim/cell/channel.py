@@ -13,7 +13,7 @@ from gcodesim.cell.orientation import Orientation
 from gcodesim.cell.placing import SYSTEM_NAMES, Place
 from gcodesim.cell.signals import SIGNALS, SignalSource
 from gcodesim.cell.startup import Startup, StartupKind
-from gcodesim.declarations.composed import ListOf
+from gcodesim.declarations.composed import Either, ListOf
 from gcodesim.declarations.file_kind import File, FileValue
 from gcodesim.declarations.keys import key
 from gcodesim.declarations.kind import POSITIVE, Json, Kind, Range, scalar, short
@@ -209,6 +209,14 @@ class Channel:
         Record(Orientation, "an orientation"), "how an arm holds the tool", default=None
     )
     path_control: str = key(_PathControl(), "path control until the program sets its own", default=DEFAULT_PATH_CONTROL)
+    look_ahead: int | None = key(
+        Either((("unlimited", 0),), Whole(Range(least=2, most=100_000))),
+        "how many blocks the control knows behind the one that runs: it is never faster than it can come to rest over "
+        "them; default: as the control is delivered, without end for arms and where that is not known",
+        default=None,
+        example="200",
+        quiet=True,
+    )
     startup: Startup | None = key(
         StartupKind(),
         "what the control has in force before the first block, such as `G20` on a machine in inches, `M83` on a "

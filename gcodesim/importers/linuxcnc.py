@@ -116,6 +116,8 @@ class _Machine:
         for note in self.notes:
             yield f"# {note}"
         yield from machine_lines(self.axes, tuple(keys))
+        if depth := self.settings.number("[TRAJ]ARC_BLEND_OPTIMIZATION_DEPTH"):
+            yield f"look_ahead: {max(int(depth), 2)}"
         yield from self._parameter_file(folder, lathe)
         yield from self._subroutines(folder)
         yield from self._startup(inches)

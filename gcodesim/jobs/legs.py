@@ -270,6 +270,7 @@ class Legs:
             home=self._at,
             duration_of=self._duration_of,
             tool_frames={number: tool.X_FT for number, tool in shop.cell.tools.items()},
+            look_ahead=shop.look_ahead,
         )
 
     def _found(self, plan: Plan) -> Iterator[Diagnostic]:

@@ -25,6 +25,7 @@ from gcodesim.arithmetic.matrices import norms
 from gcodesim.canon import Output
 from gcodesim.frames import Array
 from gcodesim.motion.blend_kernels import (
+    CYCLE,
     NORMAL_SHARE,
     OPEN_END_SHARE,
     OVERLAPPED,
@@ -39,11 +40,15 @@ from gcodesim.motion.blend_kernels import (
     overlaps,
 )
 from gcodesim.motion.columns import Column
-from gcodesim.motion.curve_kernels import OWN, ROUND, TIMED, longest_times
+from gcodesim.motion.curve_kernels import OWN, ROUND, STRAIGHT, TIMED, longest_times
 from gcodesim.motion.curves import Curves
 from gcodesim.motion.pieces import OVERLAP, PART, AxisLimits, Pieces
 from gcodesim.motion.tool_path import BLEND, HOME, LINE, RAPID, ToolPath
 
+# A line that would last less than this [s] at the speed of the corner behind it becomes a part of that corner:
+# `blendCheckConsume` in blendmath.c, with `ARC_BLEND_GAP_CYCLES` as it is delivered.
+_REMNANT: Final = 4.0 * CYCLE
+LEAST_CYCLES: Final = 1.02  # that a piece lasts (`TP_MIN_SEGMENT_CYCLES`)
 LEAST: Final = 1e-12  # [m, rad] anything shorter counts as not moving
 
 
@@ -54,6 +59,7 @@ def blend(
     independent_rapids: bool | NDArray[np.bool_] = False,
     own_time: Array | None = None,
     even: bool = False,
+    sampled: bool = True,
 ) -> Pieces:
     """Join the rows of `path` under the `limits` of the axes.
 
@@ -62,7 +68,8 @@ def blend(
     with a finite `own_time` (n,) [s] follow a law of their own from rest to
     rest and take that time. Other rows that do not move are left out; their
     events keep their places. `even`: rows that overlap do so at one speed, as a
-    law of time with bounded jerk needs it.
+    law of time with bounded jerk needs it. `sampled`: as by a control that
+    runs no piece in less than one of its cycles, and what is too short for that together with the corner behind it.
     """
     curves = Curves.of(path)
     if own_time is not None:
@@ -81,7 +88,9 @@ def blend(
     apart = np.zeros(len(stop), dtype=bool)
     feeding, timed = np.isfinite(path.feed[row_first]), curves.kind >= TIMED
     apart[:-1] = (feeding[1:] != feeding[:-1]) | timed[1:] | timed[:-1]
-    return _join(path, limits, curves, stop, apart, row_first.astype(np.int32), row_last.astype(np.int32), even)
+    return _join(
+        path, limits, curves, stop, apart, row_first.astype(np.int32), row_last.astype(np.int32), even, sampled
+    )
 
 
 def _chains(path: ToolPath, kept: NDArray[np.intp]) -> NDArray[np.intp]:
@@ -212,11 +221,14 @@ def _join(
     row_first: NDArray[np.int32],
     row_last: NDArray[np.int32],
     even: bool,
+    sampled: bool,
 ) -> Pieces:
     n = len(curves)
     tangents = Tangents(*curves.end_tangents())
     speed, acceleration, bending = along_limits(curves, limits)
     speed = np.minimum(speed, path.feed[row_first])
+    if sampled:
+        speed = np.minimum(speed, curves.length / CYCLE)
     step = curves.end - curves.start
     turning = np.any(step[:, 3:] != 0.0, axis=1)
     blended = path.mode[row_last] == BLEND
@@ -242,7 +254,7 @@ def _join(
     if overlapped.any():
         left = curves.length - joints.trim_start - joints.trim_end
         overlaps(left, speed, acceleration, tolerance, even, tangents, joints)
-    return _assemble(path, limits, curves, joints, speed, acceleration, row_first, row_last)
+    return _assemble(path, limits, curves, joints, speed, acceleration, row_first, row_last, sampled)
 
 
 def _assemble(
@@ -254,6 +266,7 @@ def _assemble(
     acceleration: Array,
     row_first: NDArray[np.int32],
     row_last: NDArray[np.int32],
+    sampled: bool,
 ) -> Pieces:
     """Put pieces of curves and of joints in one line: curve i is at 2 i, the joint after it at 2 i + 1."""
     n = len(curves)
@@ -292,9 +305,13 @@ def _assemble(
             whole["curve"][at] = n + np.arange(len(those))
             columns["length"][at] = bends.length
             columns["acceleration"][at] = TANGENTIAL_SHARE * joints.acceleration[those]
+            if sampled:
+                _take_remnants(columns, curves, those)
 
-    joint = np.zeros(slots, dtype=bool)
+    joint, ramped = np.zeros((2, slots), dtype=bool)
     joint[1::2] = True
+    ramped[main] = np.isfinite(path.feed[row_first]) & ((joints.kind == ROUNDED) | (joints.kind == PASS))
+    ramped[2 * rounded + 1] = True
     timed = np.zeros(slots, dtype=bool)
     timed[main] = curves.kind >= TIMED
     columns["speed"][timed] = 1.0
@@ -311,9 +328,32 @@ def _assemble(
         kind=piece_kind[keep],
         fixed=timed[keep],
         joint=joint[keep],
+        ramped=ramped[keep] & sampled,
         **{name: column[keep] for name, column in columns.items()},
         **{name: column[keep] for name, column in whole.items()},
     )
+
+
+def _take_remnants(columns: dict[str, Column], curves: Curves, those: NDArray[np.intp]) -> None:
+    """Lines of which the corners behind them, of curves `those`, leave too little become a part of these.
+
+    The corner with what it takes, and the line that it leaves, last a cycle at the least.
+    """
+    line, corner = 2 * those, 2 * those + 1
+    length, speed = columns["length"], columns["speed"]
+    taken = (curves.kind[those] == STRAIGHT) & (length[line] < _REMNANT * speed[corner])
+    way = length[corner] + np.where(taken, length[line], 0.0)
+    speed[corner] = np.minimum(speed[corner], way / (LEAST_CYCLES * CYCLE))
+    speed[line] = np.minimum(speed[line], length[line] / (LEAST_CYCLES * CYCLE))
+    for name in ("speed", "acceleration"):
+        columns[name][line[taken]] = columns[name][corner[taken]]
+
+
+def remnants(pieces: Pieces, cornered: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Which pieces (m,) are lines that became a part of the corner behind them; `cornered` (m,): there is one."""
+    left = pieces.length < _REMNANT * np.append(pieces.speed[1:], 0.0)
+    line: NDArray[np.bool_] = (pieces.curves.kind[pieces.curve] == STRAIGHT) & (pieces.kind == PART) & ~pieces.joint
+    return line & left & cornered
 
 
 def _corner_arcs(rotary: Array, arc: Array) -> Curves:

@@ -50,7 +50,8 @@ class Pieces:
     `junction` the cap on its end speed; the next piece starts with `ratio`
     times the end speed of this one. Where `fixed`, s is time itself. Rows
     `row_first` to `row_last` are the rows that the piece represents; a `joint` (corner
-    arc or overlap) belongs half to each of its two rows.
+    arc or overlap) belongs half to each of its two rows. A piece that is `ramped` changes its speed evenly if it lasts
+    but a moment.
     """
 
     path: ToolPath
@@ -67,6 +68,7 @@ class Pieces:
     ratio: Array
     fixed: NDArray[np.bool_]
     joint: NDArray[np.bool_]
+    ramped: NDArray[np.bool_]
     row_first: NDArray[np.int32]
     row_last: NDArray[np.int32]
 
@@ -123,5 +125,5 @@ class Pieces:
         kind = np.zeros(1, dtype=np.uint8)
         return Pieces(
             self.path, self.limits, curves, kind, one, one - 1, none, none, none, none, none, none + 1.0, no, no,
-            one, one,
+            no, one, one,
         )  # fmt: skip

@@ -112,7 +112,7 @@ def law_of(begin: Column, end: Column, speed: Column, acceleration: Column) -> S
     length = np.diff(knots)
     none, ones, moving = np.full(n - 1, NO_CAP), np.ones(n - 1), np.zeros(n - 1, dtype=np.bool_)
     v0, v1 = end_speeds(length, v, a, none, ones, moving)
-    cell, duration, place, rate, change = trapezoids(length, v, a, v0, v1, moving)
+    cell, duration, place, rate, change = trapezoids(length, v, a, v0, v1, moving, moving)
     for p in range(len(cell)):
         place[p] += knots[cell[p]]
     return SpanLaw(place, rate, change, duration)

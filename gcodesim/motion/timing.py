@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -11,7 +12,9 @@ from numpy.typing import NDArray
 from gcodesim.frames import Array
 from gcodesim.frozen import frozen
 from gcodesim.motion.blend_kernels import CYCLE
+from gcodesim.motion.look_ahead import LookAhead, queue_of
 from gcodesim.motion.pieces import Pieces
+from gcodesim.motion.sight_kernels import SeenCaps, within_sight
 from gcodesim.motion.standing import Standstill
 from gcodesim.motion.timing_kernels import PhaseColumns, end_speeds, times_at, trapezoids
 from gcodesim.motion.tool_path import PathEvent
@@ -63,21 +66,22 @@ class Caps:
 
 
 def time_law(
-    pieces: Pieces, caps: Caps | None = None, duration_of: Callable[[PathEvent], float] | None = None
+    pieces: Pieces,
+    caps: Caps | None = None,
+    duration_of: Callable[[PathEvent], float] | None = None,
+    look_ahead: LookAhead | None = None,
 ) -> Trajectory:
     """The fastest run of `pieces` under `caps` (default: those of the pieces), from rest to rest.
 
-    Speeds change along trapezoids: one backward and one forward pass over all
-    segments, without a horizon. Events that last (`duration_of` [s]; default:
-    dwells only) make the machine stand between rows.
+    Speeds change along trapezoids: one backward and one forward pass over all segments. At the end of each piece the
+    control must be able to come to rest over those that it knows by `look_ahead`; None: it knows them all. Events that
+    last (`duration_of` [s]; default: dwells only) make the machine stand between rows.
     """
     caps = caps or Caps.of(pieces)
+    if look_ahead is not None:
+        caps = _within_sight(caps, pieces, look_ahead)
     duration_of = duration_of or Standstill()
-    count = len(caps.piece)
-    last = np.append(caps.piece[1:] != caps.piece[:-1], True)[:count]
-    ratio = np.where(last, pieces.ratio[caps.piece], 1.0)
-    fixed = pieces.fixed[caps.piece]
-    moving = _softly(caps, fixed) if caps.soft is not None else _quickly(caps, ratio, fixed)
+    moving = _softly(caps, pieces.fixed[caps.piece]) if caps.soft is not None else _quickly(caps, pieces)
     rests = [(e.row, duration_of(e)) for e in pieces.path.events]
     phases, rest_start = _with_rests(moving, pieces, rests)
     row_start, row_end = _row_times(phases, pieces)
@@ -89,11 +93,30 @@ def time_law(
     return Trajectory(pieces, phases, events, row_start[:-1], row_end)
 
 
-def _quickly(caps: Caps, ratio: Array, fixed: NDArray[np.bool_]) -> Phases:
+def _within_sight(caps: Caps, pieces: Pieces, look_ahead: LookAhead) -> Caps:
+    """`caps` for a control that knows no more than some pieces of the way ahead."""
+    count = len(pieces)
+    if count <= look_ahead.blocks + 1:
+        return caps
+    last = np.searchsorted(caps.piece, np.arange(count), side="right") - 1
+    queue = queue_of(pieces, last, caps.junction[last], look_ahead)
+    jerk = np.zeros(len(caps.piece)) if caps.soft is None else caps.soft.jerk
+    seen = (caps.length, caps.speed, caps.acceleration, jerk, caps.junction)
+    columns = SeenCaps(*(np.ascontiguousarray(np.minimum(column, NO_CAP)) for column in seen))
+    junction = within_sight(columns, queue, look_ahead.blocks)
+    return replace(caps, junction=np.where(junction < NO_CAP, junction, caps.junction))
+
+
+def _quickly(caps: Caps, pieces: Pieces) -> Phases:
     """Trapezoids of speed."""
+    count = len(caps.piece)
+    last = np.append(caps.piece[1:] != caps.piece[:-1], True)[:count]
+    ratio = np.where(last, pieces.ratio[caps.piece], 1.0)
+    fixed = pieces.fixed[caps.piece]
+    ramped = pieces.ramped if count == len(pieces) else np.zeros(count, dtype=bool)
     start, end = end_speeds(caps.length, caps.speed, caps.acceleration, caps.junction, ratio, fixed)
     segment, duration, place, speed, acceleration = trapezoids(
-        caps.length, caps.speed, caps.acceleration, start, end, fixed
+        caps.length, caps.speed, caps.acceleration, start, end, fixed, ramped
     )
     return Phases(
         time=np.zeros(len(segment)),

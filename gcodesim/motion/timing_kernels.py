@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Final, NamedTuple
 
 import numpy as np
 
 from gcodesim.compiled import kernel
 from gcodesim.motion.columns import Column
+
+MOMENT: Final = 0.01  # [s] in which LinuxCNC does not speed up and slow down again (`ARC_BLEND_RAMP_FREQ`, 100 Hz)
 
 
 class PhaseColumns(NamedTuple):
@@ -60,9 +62,12 @@ def end_speeds(
 
 @kernel(short=True)
 def trapezoids(
-    length: Column, speed: Column, acceleration: Column, start: Column, end: Column, fixed: Column
+    length: Column, speed: Column, acceleration: Column, start: Column, end: Column, fixed: Column, ramped: Column
 ) -> tuple[Column, Column, Column, Column, Column]:
-    """Phases of constant acceleration: segment, duration, place in the segment, speed, acceleration (each (p,))."""
+    """Phases of constant acceleration: segment, duration, place in the segment, speed, acceleration (each (p,)).
+
+    A `ramped` segment has one only if it takes less than `MOMENT` in that.
+    """
     n = len(length)
     segment = np.empty(3 * n, dtype=np.int64)
     duration = np.empty(3 * n)
@@ -75,6 +80,11 @@ def trapezoids(
         if fixed[k] or a * s <= 1e-12 * (v0 + v1) * (v0 + v1):  # too short, or not allowed, to change speed
             v = 1.0 if fixed[k] else 0.5 * (v0 + v1)
             segment[p], duration[p], place[p], v_start[p], a_phase[p] = k, s / v, 0.0, v, 0.0
+            p += 1
+            continue
+        if ramped[k] and v1 > 0.0 and 2.0 * s < MOMENT * (v0 + v1):
+            segment[p], duration[p], place[p], v_start[p] = k, 2.0 * s / (v0 + v1), 0.0, v0
+            a_phase[p] = 0.5 * (v1 - v0) * (v1 + v0) / s
             p += 1
             continue
         peak = math.sqrt(0.5 * (v0 * v0 + v1 * v1) + a * s)

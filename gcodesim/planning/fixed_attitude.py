@@ -173,7 +173,7 @@ class FixedAttitude:
         limits = choice.limits if guide is None else _with_words(choice.limits, guide, kinematics.joints)
         path = self._in_the_work(path)
         soft = bool(np.isfinite(kinematics.joints.jerk).any())
-        pieces = blend(path, limits, own_time=np.where(rows.joint, 1.0, np.nan), even=soft)
+        pieces = blend(path, limits, own_time=np.where(rows.joint, 1.0, np.nan), even=soft, sampled=False)
         loose = pointing is not None
         flange = Flange(pieces, R_BO, offsets(path)[:, :3], choice.spin, guide=guide, bend=bend, loose=loose)
         at_home = pieces.fixed & rows.home[pieces.row_first]

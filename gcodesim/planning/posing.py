@@ -9,6 +9,7 @@ from gcodesim.canon import Axes
 from gcodesim.diagnostics import Findings
 from gcodesim.frames import Array, Pose
 from gcodesim.frozen import frozen
+from gcodesim.motion.look_ahead import LookAhead
 from gcodesim.motion.pieces import Pieces
 from gcodesim.motion.standing import Duration
 from gcodesim.motion.timing import Caps, time_law
@@ -67,11 +68,13 @@ def plan_path(
     home: Array,
     duration_of: Duration | None = None,
     tool_frames: Mapping[int, Pose] | None = None,
+    look_ahead: LookAhead | None = None,
 ) -> Plan:
     """Run `path` on a machine whose joints stand at `home` (j,) first.
 
-    `duration_of` says how long an event takes [s]; `tool_frames` maps a tool number to X_FT. Raises ValueError when
-    the path commands what `posing` does not understand: the reader of the program should have refused it.
+    `duration_of` says how long an event takes [s]; `tool_frames` maps a tool number to X_FT; `look_ahead` says what
+    the control knows of the way ahead, None: all. Raises ValueError when the path commands what `posing` does
+    not understand: the reader of the program should have refused it.
     """
     unknown = {state.control for state in path.states} - posing.understands
     if unknown:
@@ -79,5 +82,5 @@ def plan_path(
     findings = Findings()
     path = without_zero_feeds(path, findings)
     posed = posing.pose(path, kinematics, home, findings)
-    trajectory = time_law(posed.pieces, posed.caps, duration_of=duration_of)
+    trajectory = time_law(posed.pieces, posed.caps, duration_of=duration_of, look_ahead=look_ahead)
     return Plan(trajectory, with_times(findings, trajectory), kinematics, posed.joints, tool_frames or {})

@@ -198,6 +198,7 @@ class MovedMachine:
             home=self.q,
             duration_of=standing_of(shop.cell, shop.channel),
             tool_frames={number: each.X_FT for number, each in shop.cell.tools.items()},
+            look_ahead=shop.look_ahead,
         )
 
     def standing_plan(self) -> Plan:

@@ -16,8 +16,10 @@ from gcodesim.cell.stock import StockSpec
 from gcodesim.frames import WORLD, Array, Pose
 from gcodesim.frozen import frozen
 from gcodesim.kinematics import Kinematics
+from gcodesim.motion.look_ahead import LookAhead
 from gcodesim.processes.sheet import Sheet
 from gcodesim.processes.signal import Signal, signals_read_by
+from gcodesim.rs274.dialects import DIALECTS
 from gcodesim.scene import Mover, Scene
 from gcodesim.scene.coated import Coated
 from gcodesim.units import RPM
@@ -105,6 +107,16 @@ class Shop:
     def joint_names(self) -> tuple[str, ...]:
         """Names as in the log: `arm/joint_1`, `machine/X`."""
         return self.mover.joint_names
+
+    @property
+    def look_ahead(self) -> LookAhead | None:
+        """What the control knows of the way ahead; None: all. An arm has a control of its own, which is not known."""
+        own = self.cell.channels[self.channel]
+        dialect = DIALECTS[own.dialect]
+        blocks = own.look_ahead
+        if blocks is None:
+            blocks = dialect.look_ahead if self.mover.joints_are_axes else None
+        return LookAhead(blocks=blocks, corners_count=dialect.corners_count) if blocks else None
 
     @property
     def magazine_pose(self) -> Pose:

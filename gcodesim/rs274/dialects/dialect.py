@@ -81,7 +81,9 @@ class Dialect:
     with which a control whose machine turns tool or work begins (True) and ends to hold the tip;
     a cell may map them to something else. `turret`: a tool change turns a turret, and the spindle, which carries the
     work, goes on. `rapids_stand`: a rapid move ends at rest, whatever the path control (FANUC, B-63944EN, 4.1: it is
-    decelerated at the end of its block, and the next one begins when it is in position).
+    decelerated at the end of its block, and the next one begins when it is in position). `look_ahead` is how many
+    blocks the control knows behind the one that runs; None: without end, or not known. `corners_count`: arcs that it
+    puts into corners are blocks too.
     """
 
     name: str
@@ -119,6 +121,8 @@ class Dialect:
     tip_m_codes: Mapping[int, bool] = field(default_factory=dict)
     turret: bool = False
     rapids_stand: bool = False
+    look_ahead: int | None = None
+    corners_count: bool = False
 
     def option(self, name: str, given: Mapping[str, str]) -> str:
         """What an option of this control is set to, by the settings `given`; ValueError if it cannot be that."""

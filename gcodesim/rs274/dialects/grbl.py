@@ -43,4 +43,5 @@ GRBL = Dialect(
     g53_under_g91=True,
     first_motion=0,
     executor="gcodesim.rs274.grbl:GrblExecutor",
+    look_ahead=14,  # BLOCK_BUFFER_SIZE is 16 (config.h of 1.1): one place stays free, and one block runs
 )

@@ -93,4 +93,6 @@ LINUXCNC = Dialect(
     unsimulated={62: "a NURBS curve with knots and weights (LinuxCNC 2.10)"},
     # the remaps of its five-axis configurations: kinematics with the tip, and without (manual, "Switchable Kinematics")
     tip_m_codes={428: True, 429: False},
+    look_ahead=50,  # ARC_BLEND_OPTIMIZATION_DEPTH as it is delivered (ini-config.adoc, initraj.cc)
+    corners_count=True,
 )

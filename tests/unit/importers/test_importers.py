@@ -214,6 +214,15 @@ def test_an_axis_without_room_is_left_out(tmp_path: Path) -> None:
     run(found, tmp_path, PROGRAM.replace(b"T1 M6\n", b""))
 
 
+def test_the_depth_of_the_queue_is_taken(tmp_path: Path) -> None:
+    axes = "".join(f"[AXIS_{a}]\nMIN_LIMIT=-300\nMAX_LIMIT=300\nMAX_VELOCITY=40\n" for a in "XYZ")
+    (tmp_path / "m.ini").write_text(f"[TRAJ]\nCOORDINATES=XYZ\nARC_BLEND_OPTIMIZATION_DEPTH=200\n{axes}")
+    found = imported("linuxcnc", tmp_path / "m.ini")
+
+    assert "look_ahead: 200" in found.text.splitlines()
+    run(found, tmp_path, PROGRAM.replace(b"T1 M6\n", b""))
+
+
 def test_everything_else_of_the_ini_is_listed_with_its_line(mill: Path) -> None:
     found = imported("linuxcnc", mill)
     lines = MILL.splitlines()
