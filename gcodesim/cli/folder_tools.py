@@ -5,7 +5,10 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Coroutine, Iterator
+from contextvars import ContextVar
+from dataclasses import dataclass, field
+from functools import partial, wraps
 from pathlib import Path
 from typing import Any, Final
 
@@ -16,6 +19,29 @@ LONGEST: Final = 600.0
 """Seconds after which a command is ended."""
 
 Answer = dict[str, Any]
+
+
+@dataclass(eq=False)
+class _Call:
+    """What a call of a tool has started; `stopped`: nobody waits for it any more."""
+
+    processes: list[subprocess.Popen[bytes]] = field(default_factory=list)
+    stopped: bool = False
+
+    def started(self, process: subprocess.Popen[bytes]) -> None:
+        self.processes.append(process)
+        if self.stopped:
+            process.kill()
+
+    def stop(self) -> None:
+        self.stopped = True
+        for process in self.processes:
+            process.kill()
+
+
+_CALL: Final[ContextVar[_Call]] = ContextVar("call")
+_CALLS: Final[set[_Call]] = set()
+"""Those that a server waits for."""
 
 
 class OutsideError(ValueError):
@@ -33,9 +59,13 @@ class FolderTools:
     def __init__(self, folder: Path, longest: float = LONGEST) -> None:
         self._folder, self._longest = folder.resolve(strict=True), longest
 
-    def lint(self, program: str, cell: str = "") -> Answer:
-        """Find every fault of a G-code program; with `cell`, its tools, offsets and M-codes are known."""
-        return self._asked("lint", program, cell=cell)
+    def lint(self, program: str, cell: str = "", dialect: str = "") -> Answer:
+        """Find every fault of a G-code program; with `cell`, its tools, offsets and M-codes are known.
+
+        `dialect` is the language of the control, such as fanuc, grbl or marlin; without it that of the cell, else
+        linuxcnc.
+        """
+        return self._asked("lint", program, cell=cell, dialect=dialect)
 
     def check(self, program: str, cell: str) -> Answer:
         """Find what is wrong with a program in a cell, without material: limits, reach, collisions, time."""
@@ -51,11 +81,11 @@ class FolderTools:
 
     def explain(self, code: str) -> Answer:
         """What a finding such as GS203 means, why it matters and what to do."""
-        if code.startswith("-"):
+        if code.startswith("-") or not code.strip():
             return _refused(f"`{code}` is no code of a finding")
         return self._done(["explain", code], as_json=False)
 
-    def _asked(self, command: str, *paths: str, cell: str, out: str = "") -> Answer:
+    def _asked(self, command: str, *paths: str, cell: str, out: str = "", dialect: str = "") -> Answer:
         try:
             words = [command, *(self._inside(path) for path in paths)]
             if cell:
@@ -63,6 +93,8 @@ class FolderTools:
                 self._look_into(self._folder / cell)
             if out:
                 words += ["--out", self._inside(out)]
+            if dialect:
+                words.append(f"--dialect={dialect}")
         except OutsideError as outside:
             return _refused(str(outside))
         return self._done([*words, "--format", "json"], as_json=True)
@@ -89,13 +121,15 @@ class FolderTools:
     def _done(self, words: list[str], *, as_json: bool) -> Answer:
         # -P: a file of the folder is never taken for a module of Python
         command = [sys.executable, "-P", "-m", "gcodesim", *words]
-        try:
-            done = subprocess.run(
-                command, cwd=self._folder, stdin=subprocess.DEVNULL, capture_output=True, timeout=self._longest
-            )
-        except subprocess.TimeoutExpired:
-            return _refused(f"ended after {self._longest:g} s")
-        text = done.stdout.decode("utf-8", "replace")
+        pipe = subprocess.PIPE
+        with subprocess.Popen(command, cwd=self._folder, stdin=subprocess.DEVNULL, stdout=pipe, stderr=pipe) as process:
+            _CALL.get(_Call()).started(process)
+            try:
+                printed, told = process.communicate(timeout=self._longest)
+            except subprocess.TimeoutExpired:
+                process.kill()
+                return _refused(f"ended after {self._longest:g} s")
+        text = printed.decode("utf-8", "replace")
         output: Any = text
         if as_json and text.strip():
             try:
@@ -103,10 +137,34 @@ class FolderTools:
             except ValueError:
                 output = text
         return {
-            "exit_status": done.returncode,
+            "exit_status": process.returncode,
             "output": output,
-            "messages": done.stderr.decode("utf-8", "replace"),
+            "messages": told.decode("utf-8", "replace"),
         }
+
+
+def stoppable(tool: Callable[..., Answer]) -> Callable[..., Coroutine[Any, Any, Answer]]:
+    """The same tool for a server that may cancel a call, or end: then the process of the call ends, too."""
+    from anyio.to_thread import run_sync
+
+    @wraps(tool)
+    async def called(**words: str) -> Answer:
+        call = _Call()
+        _CALL.set(call)
+        _CALLS.add(call)
+        try:
+            return await run_sync(partial(tool, **words), abandon_on_cancel=True)
+        finally:
+            _CALLS.discard(call)
+            call.stop()
+
+    return called
+
+
+def stop_calls() -> None:
+    """End the processes of all calls: the server leaves at once."""
+    for call in list(_CALLS):
+        call.stop()
 
 
 def _refused(why: str) -> Answer:

@@ -7,13 +7,16 @@ import json
 import os
 import subprocess
 import sys
+from functools import partial
 from pathlib import Path
+from typing import Any
 
+import anyio
 import pytest
 from mcp import ClientSession, StdioServerParameters, stdio_client
 from mcp.types import CallToolResult
 
-from gcodesim.cli.folder_tools import FolderTools
+from gcodesim.cli.folder_tools import FolderTools, stop_calls, stoppable
 
 PROGRAM = "G21 G90\nG1 X10 F100\nG1 Y\nM2\n"
 CELL = "gcodesim: 1\nmachine: gantry_xyz\nsimulation: {world: kinematic}\n"
@@ -45,8 +48,9 @@ def test_the_tools_answer_a_client_what_the_commands_print(folder: Path) -> None
     both = {"program": "good.nc", "cell": "cell.yaml"}
     calls = [("lint", {"program": "part.nc"}), ("check", both), ("explain", {"code": "GS203"}), ("lint", both)]
     calls += [("lint", {"program": "../secret.nc"}), ("lint", {"no": "program"})]
+    calls += [("lint", {"program": "good.nc", "language": "fanuc"})]
 
-    names, (linted, checked, explained, clean, outside, wrong) = asyncio.run(_asked(folder, calls))
+    names, (linted, checked, explained, clean, outside, wrong, unknown) = asyncio.run(_asked(folder, calls))
     printed = subprocess.run(
         [sys.executable, "-m", "gcodesim", "lint", "part.nc", "--format", "json"], cwd=folder, capture_output=True
     )
@@ -62,6 +66,21 @@ def test_the_tools_answer_a_client_what_the_commands_print(folder: Path) -> None
     assert clean.structured_content == {"exit_status": 0, "output": {"findings": []}, "messages": ""}
     assert outside.structured_content["exit_status"] == 2  # type: ignore[index]
     assert wrong.is_error and "program" in wrong.content[0].text  # type: ignore[union-attr]
+    assert unknown.is_error and "language" in unknown.content[0].text  # type: ignore[union-attr]  # it is not skipped
+
+
+def test_a_program_is_read_in_the_language_that_is_asked_for(folder: Path) -> None:
+    (folder / "fanuc.nc").write_text("%\nO0001\nG21 G90\nG65 P9000 A1.\nM30\n%\n")
+    tools = FolderTools(folder)
+    codes = {
+        language: {found["code"] for found in tools.lint("fanuc.nc", dialect=language)["output"]["findings"]}
+        for language in ("", "fanuc")
+    }
+    assert "GS012" in codes[""] and "GS012" not in codes["fanuc"]
+    wrong = tools.lint("fanuc.nc", dialect="klingon")
+    assert wrong["exit_status"] == 2 and "klingon" in wrong["messages"]
+    for code in ("", " ", "--help"):
+        assert tools.explain(code)["messages"] == f"`{code}` is no code of a finding"
 
 
 def test_run_writes_into_the_folder_and_diff_compares(folder: Path) -> None:
@@ -70,6 +89,34 @@ def test_run_writes_into_the_folder_and_diff_compares(folder: Path) -> None:
     assert tools.run("good.nc", "cell.yaml", "out")["exit_status"] == 0
     assert (folder / "out" / "run.mcap").exists()
     assert tools.diff("good.nc", "good.nc", "cell.yaml")["exit_status"] == 0
+
+
+@pytest.mark.parametrize("how", ["cancelled", "the server leaves"])
+def test_a_call_that_nobody_waits_for_ends_its_process(how: str, folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """It went on for up to ten minutes, and with it the server whose client had gone."""
+    moves = "".join(f"G1 X{k % 50} Y{k * 7 % 30} F100\n" for k in range(100_000))
+    (folder / "long.nc").write_text(f"G21 G90\n{moves}M2\n")
+    started: list[subprocess.Popen[bytes]] = []
+    start = subprocess.Popen
+
+    def kept(*words: Any, **more: Any) -> subprocess.Popen[bytes]:
+        started.append(start(*words, **more))
+        return started[-1]
+
+    monkeypatch.setattr(subprocess, "Popen", kept)
+
+    async def asked() -> None:
+        async with anyio.create_task_group() as tasks:
+            tasks.start_soon(partial(stoppable(FolderTools(folder).run), program="long.nc", cell="cell.yaml"))
+            while not started:
+                await anyio.sleep(0.01)
+            if how == "cancelled":
+                tasks.cancel_scope.cancel()
+            else:
+                stop_calls()
+
+    anyio.run(asked)
+    assert started[0].wait() < 0
 
 
 def test_no_text_of_a_stranger_is_hidden_in_an_answer(folder: Path) -> None:

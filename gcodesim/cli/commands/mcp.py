@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 from pathlib import Path
+from types import FrameType
 from typing import Any
 
 from gcodesim.cli.exits import OK, UsageError
@@ -34,14 +35,32 @@ def run(arguments: argparse.Namespace) -> int:
     if not arguments.folder.is_dir():
         raise UsageError(f"there is no folder {arguments.folder}")
     from mcp.server.mcpserver import MCPServer
+    from mcp.server.mcpserver.tools import Tool
 
     from gcodesim import __version__
-    from gcodesim.cli.folder_tools import FolderTools
+    from gcodesim.cli.folder_tools import FolderTools, stop_calls, stoppable
 
     tools = FolderTools(arguments.folder)
-    server = MCPServer("gcodesim", version=__version__)
-    for tool in (tools.lint, tools.check, tools.run, tools.diff, tools.explain):
-        server.tool(structured_output=True)(tool)
-    with handled(leave_at_once):
+    offered = [
+        Tool.from_function(stoppable(each), structured_output=True)
+        for each in (tools.lint, tools.check, tools.run, tools.diff, tools.explain)
+    ]
+    for tool in offered:
+        _take_no_other_words(tool)
+    server = MCPServer("gcodesim", version=__version__, tools=offered)
+
+    def leave(number: int, frame: FrameType | None) -> None:
+        stop_calls()
+        leave_at_once(number, frame)
+
+    with handled(leave):
         server.run("stdio")
     return OK
+
+
+def _take_no_other_words(tool: Any) -> None:
+    """Refuse a call with a word that the tool does not have; a client would believe that it was heard."""
+    own = tool.fn_metadata.arg_model
+    strict: Any = type(own.__name__, (own,), {"model_config": {"extra": "forbid"}})
+    tool.fn_metadata.arg_model = strict
+    tool.parameters = strict.model_json_schema(by_alias=True)
