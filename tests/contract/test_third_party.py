@@ -337,6 +337,29 @@ def test_codes_of_others_have_the_name_of_their_package(site: Path, tmp_path: Pa
     assert "the findings `engraver` of another package have the code GS101; theirs are `ENGRAVER-` and" in done.err
 
 
+@pytest.mark.parametrize(
+    ("old", "new", "says"),
+    [
+        ("Severity.WARNING", '"warning"', "`severity` of ENGRAVER-101 is 'warning'; it has to be one of `Severity`"),
+        ('why="', 'why=3, remedy="', "`why` of ENGRAVER-101 is 3; it has to be a text"),
+        ("CODES = (", "CODES = {}; _ = (", "are no list of `Code`"),
+    ],
+)
+def test_a_fault_in_codes_of_others_is_told_as_theirs(
+    site: Path, tmp_path: Path, old: str, new: str, says: str
+) -> None:
+    own = tmp_path / "site"
+    shutil.copytree(site, own)
+    findings = own / "bright_engraver" / "findings.py"
+    text = findings.read_text().replace(old, new)
+    if "remedy" in new:
+        text = "\n".join(line for line in text.splitlines() if not line.lstrip().startswith("remedy="))
+    findings.write_text(text)
+    for words in (("explain", "ENGRAVER-101"), ("list", "codes")):
+        done = Shop(own, tmp_path)(*words)
+        assert (done.status, says in done.err, "Traceback" in done.err) == (2, True, False)
+
+
 @pytest.mark.skipif(find_spec("setuptools") is None, reason="needs setuptools")
 def test_an_installer_makes_the_same_of_it(tmp_path: Path) -> None:
     source, own = tmp_path / "source", tmp_path / "site"

@@ -8,9 +8,11 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
+from dataclasses import fields
 from typing import Final
 
 from gcodesim.diagnostics.catalogue.code import Code
+from gcodesim.diagnostics.finding import Severity
 from gcodesim.family import ExtensionError, Family
 
 FINDINGS: Final = Family("findings")
@@ -29,7 +31,18 @@ def is_of_others(code: str) -> bool:
 def table_of(name: str) -> dict[str, Code]:
     """Codes of the package with this name, `engraver`; KeyError when there is none."""
     table: dict[str, Code] = {}
-    for code in FINDINGS[name]:
+    listed = FINDINGS[name]
+    if not isinstance(listed, (list, tuple)) or not all(isinstance(each, Code) for each in listed):
+        raise ExtensionError(f"the findings `{name}` of another package are no list of `Code`")
+    for code in listed:
+        for field in fields(Code):
+            kind, value = Severity if field.name == "severity" else str, getattr(code, field.name)
+            if not isinstance(value, kind):
+                wanted = "one of `Severity`, such as `Severity.WARNING`" if kind is Severity else "a text"
+                raise ExtensionError(
+                    f"the findings `{name}` of another package: `{field.name}` of {code.code} is {value!r}; "
+                    f"it has to be {wanted}"
+                )
         if not is_of_others(code.code) or code.code.partition("-")[0] != name.upper():
             raise ExtensionError(
                 f"the findings `{name}` of another package have the code {code.code}; "
