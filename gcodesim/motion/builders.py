@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 from gcodesim.arithmetic.elementary import acos, atan2, cos, sin
 from gcodesim.arithmetic.matrices import applied, dot, multiplied, norms
 from gcodesim.frames import Array, canonical_quaternion, rotation_from_quaternion
+from gcodesim.given import number, numbers, quaternions
 from gcodesim.motion.tool_path import ToolPath
 
 
@@ -39,7 +40,7 @@ def linear_interpolation(
 ) -> ToolPath:
     """A line of `samples` points from `start_point` to `end_point` (3,) [m]; orientations x y z w are turned evenly."""
     u = np.linspace(0.0, 1.0, _count(samples))
-    start, end = np.asarray(start_point, dtype=float), np.asarray(end_point, dtype=float)
+    start, end = _ends("the line", start_point, end_point)
     return ToolPath.from_points(start + u[:, None] * (end - start), _turned(u, start_orientation, end_orientation))
 
 
@@ -58,7 +59,10 @@ def circular_interpolation(
     The points may differ along the axis (helix). ValueError when the radius
     does not reach, or start and end coincide in the plane.
     """
-    start, end = np.asarray(start_point, dtype=float), np.asarray(end_point, dtype=float)
+    start, end = _ends("the arc", start_point, end_point)
+    radius = number(radius, "the radius of the arc", above=0.0)
+    if axis not in (0, 1, 2):
+        raise ValueError(f"the axis of the arc is 0, 1 or 2, for X, Y or Z; {axis!r} is given")
     i, j = (axis + 1) % 3, (axis + 2) % 3
     across = end[[i, j]] - start[[i, j]]
     gap = math.hypot(*across)
@@ -95,9 +99,14 @@ def spline_interpolation(
     """
     from scipy.interpolate import CubicSpline, make_interp_spline
 
-    through = np.asarray(points, dtype=float)
+    through = numbers(points, (None, None), "a spline")
     if through.shape[1] != 3 and through.shape[0] == 3:
         through = through.T
+    numbers(through, (None, 3), "a spline")
+    if len(through) < 2:
+        raise ValueError("a spline goes through two points or more")
+    if by not in ("length", "number"):
+        raise ValueError(f"a spline is run by `length` or by `number`; {by!r} is given")
     steps = norms(np.diff(through, axis=0)) if by == "length" else np.full(len(through) - 1, 1.0 / (len(through) - 1))
     way = np.concatenate([[0.0], np.cumsum(steps)])
     u = np.linspace(0.0, 1.0, _count(samples))
@@ -122,14 +131,18 @@ def build_box_path(
     XY plane, `orientation` (4,) that of the tool. Points are spread evenly over
     the length, counterclockwise, from the middle of the right side.
     """
-    half = 0.5 * np.asarray(dimensions, dtype=float)[:2]
-    if radius < 0.0 or radius > half.min():
+    half = 0.5 * numbers(dimensions, (None,), "the size of a box")[:2]
+    radius = number(radius, "the radius of the corners", least=0.0)
+    if len(half) < 2:
+        raise ValueError("the size of a box has two numbers")
+    if radius > half.min():
         raise ValueError(f"corner radius {radius} m does not fit a box of {tuple(dimensions)} m")
     u = np.linspace(0.0, 1.0, _count(samples))
     flat = _round_rectangle(u, half, radius)
-    R = rotation_from_quaternion(np.asarray(angles, dtype=float))
-    points = np.asarray(center_position, dtype=float) + applied(R, flat)
-    return ToolPath.from_points(points, np.tile(np.asarray(orientation, dtype=float), (len(u), 1)))
+    R = rotation_from_quaternion(quaternions(angles, (4,), "the rotation of the box"))
+    points = numbers(center_position, (3,), "the middle of the box") + applied(R, flat)
+    held = quaternions(orientation, (4,), "the orientation of the tool")
+    return ToolPath.from_points(points, np.tile(held, (len(u), 1)))
 
 
 def _round_rectangle(u: Array, half: Array, radius: float) -> Array:
@@ -166,12 +179,19 @@ def _round_rectangle(u: Array, half: Array, radius: float) -> Array:
 
 
 def _count(samples: int) -> int:
+    if not isinstance(samples, (int, np.integer)):
+        raise ValueError(f"the number of points is a whole number; {samples!r} is given")
     if samples < 2:
         raise ValueError("a path needs at least two points")
-    return samples
+    return int(samples)
+
+
+def _ends(what: str, start: ArrayLike, end: ArrayLike) -> tuple[Array, Array]:
+    return numbers(start, (3,), f"the start of {what}"), numbers(end, (3,), f"the end of {what}")
 
 
 def _turned(u: Array, start: ArrayLike | None, end: ArrayLike | None) -> Array | None:
     if start is None:
         return None
-    return slerp(start, start if end is None else end, u)
+    first = quaternions(start, (4,), "the first orientation")
+    return slerp(first, first if end is None else quaternions(end, (4,), "the last orientation"), u)

@@ -18,6 +18,7 @@ from gcodesim.diagnostics import Span
 from gcodesim.diagnostics.span_table import SpanTable, join
 from gcodesim.frames import Array, Pose, quaternion_from_rotation, rotation_from_quaternion
 from gcodesim.frozen import frozen
+from gcodesim.given import number, numbers, quaternions
 
 # kinds of rows
 RAPID: Final = 0
@@ -143,15 +144,21 @@ class ToolPath:
         """Lines through `positions` (n + 1, 3) [m].
 
         `orientations` (n + 1, 4), x y z w, are kept as rotations about A, B, C:
-        extrinsic X, Y, Z angles [rad]. `feed` [m/s]; inf makes rapids.
+        extrinsic X, Y, Z angles [rad]. `feed` [m/s]; inf makes rapids. ValueError for what is no path.
         """
-        positions = np.atleast_2d(np.asarray(positions, dtype=float))
+        positions = _given_points(positions)
         points = np.zeros((len(positions), 6))
         points[:, :3] = positions
         if orientations is not None:
-            points[:, 3:] = angles_of_quaternions(np.asarray(orientations, dtype=float))
+            shape = (4,) if np.ndim(orientations) == 1 else (len(points), 4)
+            points[:, 3:] = angles_of_quaternions(quaternions(orientations, shape, "an orientation of a path"))
+        if feed != np.inf:
+            feed = number(feed, "the feed of a path", above=0.0)
         n = max(len(points) - 1, 0)
-        on = np.broadcast_to(np.asarray(active, dtype=bool), (n,)).copy()
+        flags = np.asarray(active, dtype=bool)
+        if flags.shape not in ((), (n,)):
+            raise ValueError(f"a path of {n} moves is switched by one flag or {n} of them; {flags.size} are given")
+        on = np.broadcast_to(flags, (n,)).copy()
         return ToolPath(
             kind=np.full(n, LINE if np.isfinite(feed) else RAPID, dtype=np.uint8),
             start=points[:-1].copy(),
@@ -213,6 +220,8 @@ class ToolPath:
 
     def __add__(self, other: ToolPath) -> ToolPath:
         """`self`, then `other`, each in its own coordinates; where they do not meet the first one ends at rest."""
+        if not isinstance(other, ToolPath):
+            return NotImplemented
         if not len(self) and not self.events:
             return other
         moved = replace(other, stop=other.stop.copy(), block=other.block.copy())
@@ -244,15 +253,18 @@ class ToolPath:
         )
 
     def translate(self, vector: Iterable[float]) -> ToolPath:
-        """A copy shifted by `vector` (3,) [m]."""
-        return self.transform(Pose(np.asarray(list(vector), dtype=float), np.eye(3)))
+        """A copy shifted by `vector` (3,) [m]; ValueError for what is none."""
+        return self.transform(Pose(numbers(_listed(vector), (3,), "a translation"), np.eye(3)))
 
     def rotate(self, quaternion: Iterable[float]) -> ToolPath:
-        """A copy turned about the origin by a quaternion x y z w."""
-        return self.transform(Pose(np.zeros(3), rotation_from_quaternion(np.asarray(list(quaternion), dtype=float))))
+        """A copy turned about the origin by a quaternion x y z w; ValueError for what is none."""
+        turn = quaternions(_listed(quaternion), (4,), "a rotation")
+        return self.transform(Pose(np.zeros(3), rotation_from_quaternion(turn)))
 
     def transform(self, X: Pose) -> ToolPath:
         """A copy whose points are moved by `X`; angles of A, B, C turn along when any is used."""
+        if not isinstance(X, Pose):
+            raise TypeError(f"a path is moved by a `gcodesim.frames.Pose`; {type(X).__name__} is given")
         start, end = self.start.copy(), self.end.copy()
         for points in (start, end):
             points[:, :3] = X.apply(points[:, :3])
@@ -287,6 +299,22 @@ class ToolPath:
         if axes is not None:
             axes.plot(points[:, 0], points[:, 1], points[:, 2], **style)
         return points
+
+
+def _given_points(positions: Any) -> Array:
+    """Points (n, 3) that a caller gives, or one (3,); ValueError for others."""
+    try:
+        found = np.atleast_2d(np.asarray(positions, dtype=float))
+    except (TypeError, ValueError):
+        found = positions
+    if isinstance(found, np.ndarray) and not found.size:
+        return np.zeros((0, 3))
+    return numbers(found, (None, 3), "a path")
+
+
+def _listed(values: Any) -> Any:
+    """What may be given as an iterator, as a list."""
+    return list(values) if isinstance(values, Iterator) else values
 
 
 def _columns() -> list[str]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -13,9 +13,10 @@ from gcodesim.arithmetic.matrices import multiplied
 from gcodesim.controllers import Controller
 from gcodesim.frames import Array, Pose, quaternion_from_rotation, rotation_from_quaternion
 from gcodesim.frozen import frozen
+from gcodesim.given import number, numbers, quaternions
 from gcodesim.kinematics.protocol import Status
 from gcodesim.motion.tool_path import ToolPath
-from gcodesim.session.misuse import MisuseError
+from gcodesim.session.misuse import MisuseError, as_misuse
 from gcodesim.session.pose_path import between
 from gcodesim.shop import controller_of
 from gcodesim.units import MM
@@ -141,6 +142,8 @@ class Arm:
         MisuseError beyond a limit, before anything moves, and while the robot moves already.
         """
         self._check_ready()
+        if isinstance(vectors, (str, Mapping)) or not isinstance(vectors, Iterable):
+            raise MisuseError("a path in joints is a list of joint vectors, or of names of poses")
         table = [self._joints_of(q) for q in vectors]
         if not table:
             raise MisuseError("the path has no joint vectors")
@@ -163,19 +166,25 @@ class Arm:
         """
         self._check_ready()
         p0, q0 = self.endeffector_pose
-        ends = np.vstack([p0, np.atleast_2d(np.asarray(positions, dtype=float))])
-        wanted = q0 if orientations is None else np.asarray(orientations, dtype=float)
-        turns = np.broadcast_to(wanted, (len(ends) - 1, 4))
-        if not (np.isfinite(ends).all() and np.isfinite(turns).all() and spacing > 0.0):
-            raise MisuseError("poses are finite numbers, and their spacing is above 0 m")
-        poses, number = between(ends, np.vstack([q0, turns]), spacing)
+        with as_misuse():
+            one = isinstance(positions, Sequence | np.ndarray) and np.ndim(positions) == 1 and len(positions) > 0
+            points = numbers([positions] if one else positions, (None, 3), "a path of poses")
+            if not len(points):
+                raise MisuseError("the path has no poses")
+            wanted = q0
+            if orientations is not None:
+                shape = (4,) if np.ndim(orientations) == 1 else (len(points), 4)
+                wanted = quaternions(orientations, shape, "the orientation of a pose")
+            spacing = number(spacing, "the spacing of poses [m]", above=0.0)
+        ends, turns = np.vstack([p0, points]), np.broadcast_to(wanted, (len(points), 4))
+        poses, leads_to = between(ends, np.vstack([q0, turns]), spacing)
         shop = self._machine.shop
         X_FT, X_BW = self._X_FT().inverse().matrix, shop.X_WB.inverse().matrix
         q, status = shop.kinematics.inverse(multiplied(X_BW, poses, X_FT), self._machine.q)
         bad = np.flatnonzero((status == Status.REACH) | (status == Status.LIMIT))
         if len(bad):
             why = "is out of reach" if status[bad[0]] == Status.REACH else "needs a joint beyond its limit"
-            raise MisuseError(f"`{self.name}` cannot go there: the way to pose {number[bad[0]]} {why}")
+            raise MisuseError(f"`{self.name}` cannot go there: the way to pose {leads_to[bad[0]]} {why}")
         self._follow_joints(q, active)
 
     def move_to(self, position: ArrayLike, orientation: ArrayLike | None = None) -> None:
@@ -207,9 +216,11 @@ class Arm:
             for name, value in q.items():
                 if name not in joints.names:
                     raise MisuseError(f"`{self.name}` has no joint `{name}`; it has {', '.join(joints.names)}")
-                target[joints.names.index(name)] = value
+                with as_misuse():
+                    target[joints.names.index(name)] = number(value, f"the place of {name}")
         else:
-            given = np.asarray(q, dtype=float)
+            with as_misuse():
+                given = numbers(q, (None,), "a joint vector")
             if given.shape != target.shape:
                 raise MisuseError(f"`{self.name}` has {len(target)} joints; {given.size} values are given")
             target = given.copy()
@@ -226,10 +237,10 @@ class Arm:
         `orientation` x y z w; without it the tool keeps its own. MisuseError, with the reason, when no joints do it.
         """
         shop, held = self._machine.shop, self._machine.target
-        goal = np.asarray(position, dtype=float)
-        turned = np.array([0.0, 0.0, 0.0, 1.0]) if orientation is None else np.asarray(orientation, dtype=float)
-        if goal.shape != (3,) or turned.shape != (4,) or not np.isfinite([*goal, *turned]).all() or not turned.any():
-            raise MisuseError("a pose has a place of three finite numbers [m], and an orientation x y z w, not all 0")
+        with as_misuse():
+            goal = numbers(position, (3,), "the place of a pose")
+            held_q = (0.0, 0.0, 0.0, 1.0) if orientation is None else orientation
+            turned = quaternions(held_q, (4,), "the orientation of a pose")
         if orientation is None:
             R = (shop.X_WB @ Pose.from_matrix(shop.kinematics.forward(held[None])[0]) @ self._X_FT()).R
         else:

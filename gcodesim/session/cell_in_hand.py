@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from gcodesim import simulation
+from gcodesim import given, simulation
 from gcodesim.api import InputError
 from gcodesim.canon import Pause
 from gcodesim.cell import LoadedCell
@@ -31,7 +31,7 @@ from gcodesim.sensors.outputs import Picture
 from gcodesim.session import caller
 from gcodesim.session.arm import Arm
 from gcodesim.session.machine import MovedMachine
-from gcodesim.session.misuse import MisuseError
+from gcodesim.session.misuse import MisuseError, as_misuse
 from gcodesim.session.run_thread import RunThread
 from gcodesim.session.sensor_in_hand import HandSensor, Present, looking
 from gcodesim.session.tool_in_hand import HandTool
@@ -62,8 +62,10 @@ def open_cell(
     script. `world`, `force` and `allow_code` as of `gcodesim run`. Raises `InputError` when the cell has errors,
     OSError when it cannot be read, `WorldUnavailable` when the world cannot be opened here.
     """
-    from gcodesim.world import require_world
+    from gcodesim.world import WORLDS, require_world
 
+    if world is not None and world not in WORLDS:
+        raise MisuseError(f"there is no world `{world}`; there are {', '.join(sorted(WORLDS))}")
     loaded = load_cell(Path(cell), allow_code=allow_code)
     if loaded.cell is None:
         raise InputError(list(loaded.findings), loaded.sources)
@@ -134,7 +136,7 @@ class OpenCell:
         """
         if name is None:
             return next(iter(self._arms.values()))
-        if name not in self._arms:
+        if not isinstance(name, str) or name not in self._arms:
             listed = ", ".join(f"`{each}`" for each in self._arms)
             raise MisuseError(f"no channel of this cell moves `{name}`; they move {listed}")
         return self._arms[name]
@@ -146,7 +148,7 @@ class OpenCell:
 
     def tool(self, number: int) -> HandTool:
         """The tool with this number. MisuseError when the cell has none."""
-        if number not in self._shop.cell.tools:
+        if not isinstance(number, int) or number not in self._shop.cell.tools:
             known = ", ".join(str(each) for each in sorted(self._shop.cell.tools)) or "none"
             raise MisuseError(f"the cell has no tool {number}; it has {known}")
         return self._tools.setdefault(number, HandTool(self, number))
@@ -179,7 +181,10 @@ class OpenCell:
 
         `field_of_view` [rad] is from the left border to the right one. MisuseError for a picture that cannot be.
         """
-        if not (width >= 1 and height >= 1 and width * height <= MOST_PIXELS and 0.0 < field_of_view < 3.0):
+        whole = isinstance(width, (int, np.integer)) and isinstance(height, (int, np.integer))
+        with as_misuse():
+            field_of_view = given.number(field_of_view, "the angle of a picture [rad]")
+        if not (whole and width >= 1 and height >= 1 and width * height <= MOST_PIXELS and 0.0 < field_of_view < 3.0):
             raise MisuseError(f"a picture has 1 to {MOST_PIXELS} pixels and an angle between 0 and 3 rad")
         try:
             X_WC = looking(position, target, up)
@@ -203,15 +208,22 @@ class OpenCell:
         elif frame is not None:
             raise MisuseError("points are those of the world; only a `ToolPath` is drawn in a work system")
         else:
-            points = np.asarray(path, dtype=float)
-        if points.ndim != 2 or points.shape[1] != 3 or len(points) < 2 or not np.isfinite(points).all():
+            with as_misuse():
+                points = given.numbers(path, (None, 3), "a drawing")
+        if len(points) < 2:
             raise MisuseError("a drawing needs two points or more, each of three finite numbers")
         self._draw(points, color)
 
     def draw_frame(self, position: ArrayLike, orientation: ArrayLike | None = None, length: float = 0.05) -> None:
-        """Draw the axes of a pose in the world: X red, Y green, Z blue, `length` [m]; quaternion x y z w."""
-        R = np.eye(3) if orientation is None else rotation_from_quaternion(np.asarray(orientation, dtype=float))
-        p = np.asarray(position, dtype=float)
+        """Draw the axes of a pose in the world: X red, Y green, Z blue, `length` [m]; quaternion x y z w.
+
+        MisuseError for what is no pose, and for no length.
+        """
+        with as_misuse():
+            turned = (0.0, 0.0, 0.0, 1.0) if orientation is None else orientation
+            R = rotation_from_quaternion(given.quaternions(turned, (4,), "the orientation of a frame"))
+            p = given.numbers(position, (3,), "the place of a frame")
+            length = given.number(length, "the length of axes [m]", above=0.0)
         for axis in range(3):
             self._draw(np.array([p, p + length * R[:, axis]]), [float(k == axis) for k in range(3)])
 
@@ -223,7 +235,8 @@ class OpenCell:
     def _draw(self, points: Array, color: Sequence[float]) -> None:
         self._check_open()
         self._flush()  # what waits has been before
-        red, green, blue = (float(share) for share in color)
+        with as_misuse():
+            red, green, blue = given.numbers(color, (3,), "a colour, of red, green and blue from 0 to 1,").tolist()
         drawn = self._job.drawings or ()
         line = DrawnLine(id=f"drawing {len(drawn)}", points=points.copy(), color=(red, green, blue, 1.0))
         self._job.drawings = (*drawn, line)
@@ -231,7 +244,7 @@ class OpenCell:
     def _system(self, frame: str) -> int:
         """The number of a work system by name; MisuseError for one that the cell does not have."""
         names = {f"G{54 + k}" if k < 6 else f"G59.{k - 5}": k + 1 for k in range(9)}
-        if names.get(frame) not in self._shop.placement.work_offsets:
+        if not isinstance(frame, str) or names.get(frame) not in self._shop.placement.work_offsets:
             raise MisuseError(f"there is no work system `{frame}`; use G54 to G59.3")
         return names[frame]
 
@@ -260,8 +273,8 @@ class OpenCell:
     def step(self, seconds: float) -> None:
         """Let time pass: joints go on to their targets. Parts of a step of the simulation count with the next call."""
         self._check_open()
-        if not (np.isfinite(seconds) and seconds > 0.0):
-            raise MisuseError(f"time cannot pass by {seconds} s; give a number above 0")
+        with as_misuse():
+            seconds = given.number(seconds, "the time that passes [s]", above=0.0)
         self._wanted_ns += round(seconds * 1e9)
         count = self._wanted_ns // self._step_ns
         self._wanted_ns -= count * self._step_ns
@@ -406,6 +419,8 @@ class OpenCell:
     def _run_path(self, own: MovedMachine, path: ToolPath, frame: str, active: bool | None) -> None:
         """Run moves as a program would, from where the machine stands, with the tool that it holds."""
         self._check_open()
+        if not isinstance(path, ToolPath):
+            raise MisuseError(f"what is run is a `gcodesim.ToolPath`; {type(path).__name__} is given")
         if not len(path):
             raise MisuseError("the path has no moves")
         own.check_rest()

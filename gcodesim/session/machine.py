@@ -230,7 +230,6 @@ class MovedMachine:
             return
         plan, begin = reduce(followed_by, legs), self._unchecked_from
         for finding in told_once(plan.findings, self._checks.hits(plan)):
-            print("DBG", finding.code, repr(finding.time), begin)
             what, goes_on = (finding.code, finding.bodies), (finding.time or 0.0) <= _AT_ONCE
             if what in self._hit and goes_on:
                 continue

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from gcodesim.arithmetic.matrices import norm
 from gcodesim.frames import Array
 from gcodesim.frozen import frozen
+from gcodesim.given import numbers
 from gcodesim.observation.eyes import load_at, place_of
 from gcodesim.observation.schedule import Station
 from gcodesim.observation.stage import Hand, Stage, surface_of
@@ -70,8 +71,9 @@ class Present:
 
 def looking(position: ArrayLike, target: ArrayLike, up: ArrayLike) -> Array:
     """X_WC (4, 4) at a position, with Z to the target and Y away from `up`; ValueError where that says nothing."""
-    p, z = np.asarray(position, dtype=float), np.asarray(target, dtype=float) - np.asarray(position, dtype=float)
-    x = np.cross(z, np.asarray(up, dtype=float))
+    p = numbers(position, (3,), "the place of the camera")
+    z = numbers(target, (3,), "its target") - p
+    x = np.cross(z, numbers(up, (3,), "the direction `up`"))
     if not (norm(x) > 1e-12 and np.isfinite(x).all()):
         raise ValueError("the camera looks along `up`, or at itself")
     z, x = z / norm(z), x / norm(x)

@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
+from gcodesim.given import number, numbers
 from gcodesim.motion.tool_path import ToolPath
-from gcodesim.session.misuse import MisuseError
+from gcodesim.session.misuse import MisuseError, as_misuse
 from gcodesim.session.switches import CLOSE, ON, OPEN, hears, settings_of, turns
 from gcodesim.tools.tcp_load import LOAD_FRAMES
 
@@ -116,7 +117,9 @@ class HandTool:
             listed = f"it has {', '.join(known)}" if known else "it has none"
             raise MisuseError(f"tool {self.number} ({self.spec.kind}) has no setting `{name}`; {listed}")
         signal = known[name]
-        if not (np.isfinite(value) and signal.least <= value <= signal.most):
+        with as_misuse():
+            value = number(value, f"`{name}`")
+        if not (signal.least <= value <= signal.most):
             unit = f" {signal.unit}" if signal.unit else ""
             reach = f"from {signal.least:g} to {signal.most:g}{unit}" if np.isfinite(signal.most) else "0 or more"
             raise MisuseError(f"`{name}` of tool {self.number} cannot be {value:g}{unit}; it can be {reach}")
@@ -131,9 +134,8 @@ class HandTool:
         if not turns(self.spec):
             instead = "; a gripper has `close` and `open`" if hears(self.spec, CLOSE) else ""
             raise MisuseError(f"tool {self.number} ({self.spec.kind}) does not turn{instead}")
-        if not np.isfinite(speed):
-            raise MisuseError(f"a spindle cannot turn with {speed} rad/s")
-        holder.state = replace(holder.state, spindle=float(speed))
+        with as_misuse():
+            holder.state = replace(holder.state, spindle=number(speed, "the speed of a spindle [rad/s]"))
 
     def apply_tcp_force(
         self, force: ArrayLike, torque: ArrayLike = (0.0, 0.0, 0.0), frame: Literal["world", "tool"] = "world"
@@ -144,9 +146,8 @@ class HandTool:
         moves the arm as a force of the process does. MisuseError when no robot holds the tool.
         """
         holder = self._held()
-        push = np.concatenate([np.asarray(force, dtype=float), np.asarray(torque, dtype=float)])
-        if push.shape != (6,) or not np.isfinite(push).all():
-            raise MisuseError("a force has three finite numbers [N], and a torque three [N·m]")
+        with as_misuse():
+            push = np.concatenate([numbers(force, (3,), "a force [N]"), numbers(torque, (3,), "a torque [N·m]")])
         if frame not in LOAD_FRAMES:
             raise MisuseError(f"a force acts in axes of the `world` or of the `tool`; there is no `{frame}`")
         pushed: tuple[float, ...] = tuple(push.tolist()) if push.any() else ()
