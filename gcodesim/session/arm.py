@@ -95,6 +95,8 @@ class Arm:
             raise MisuseError("a controller is set before the first step")
         if shop.mover.joints_are_axes:
             raise MisuseError(f"`{self.name}` is a machine tool; controllers are for robots")
+        if not isinstance(controller, Controller):
+            raise MisuseError(f"a controller is one of `gcodesim.controllers`; {type(controller).__name__} is given")
         count = len(self.joint_names)
         for name, values in controller.lists().items():
             if len(values) not in (0, 1, count):

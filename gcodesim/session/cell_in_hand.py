@@ -148,9 +148,9 @@ class OpenCell:
 
     def tool(self, number: int) -> HandTool:
         """The tool with this number. MisuseError when the cell has none."""
-        if not isinstance(number, int) or number not in self._shop.cell.tools:
+        if not isinstance(number, (int, np.integer)) or number not in self._shop.cell.tools:
             known = ", ".join(str(each) for each in sorted(self._shop.cell.tools)) or "none"
-            raise MisuseError(f"the cell has no tool {number}; it has {known}")
+            raise MisuseError(f"the cell has no tool {number!r}; it has {known}")
         return self._tools.setdefault(number, HandTool(self, number))
 
     def sensor(self, name: str) -> HandSensor:

@@ -7,6 +7,7 @@ from math import pi, sqrt
 import numpy as np
 import pytest
 
+from gcodesim import build_box_path, circular_interpolation, linear_interpolation, spline_interpolation
 from gcodesim.canon import ArcFeed, Dwell, LinearFeed
 from gcodesim.diagnostics import Span
 from gcodesim.motion import ToolPath, build_tool_path
@@ -113,3 +114,37 @@ def test_drawing_gives_a_polyline_within_the_chord() -> None:
     middles = 0.5 * (points[1:] + points[:-1])
     assert np.array_equal(drawn[0], points)
     assert (1.0 - np.hypot(middles[:, 0], middles[:, 1] - 1.0)).max() <= 1e-4
+
+
+@pytest.mark.parametrize(
+    ("make", "says"),
+    [
+        (lambda: ToolPath.from_points([[0.0, 0.0], [1.0, 1.0]]), "a path has rows of 3 numbers"),
+        (lambda: ToolPath.from_points([[0.0, 0.0, 0.0], [np.nan, 0.0, 0.0]]), "finite numbers"),
+        (lambda: ToolPath.from_points("abc"), "a path has rows of 3 numbers; 'abc' is given"),
+        (lambda: ToolPath.from_points(np.zeros((2, 3)), feed=np.nan), "the feed of a path is a finite number"),
+        (lambda: ToolPath.from_points(np.zeros((2, 3)), feed=0.0), "the feed of a path is more than 0"),
+        (lambda: ToolPath.from_points(np.zeros((2, 3)), active=[True, False]), "one flag or 1 of them; 2 are given"),
+        (lambda: ToolPath.from_points(np.zeros((2, 3)), np.zeros((2, 4))), "not all 0"),
+        (lambda: ToolPath.from_points(np.zeros((2, 3))).translate([1.0, 2.0]), "a translation has 3 numbers"),
+        (lambda: ToolPath.from_points(np.zeros((2, 3))).rotate([0.0, 0.0, 0.0, 0.0]), "not all 0"),
+        (lambda: linear_interpolation([0.0, 0.0], [1.0, 1.0, 0.0], 5), "the start of the line has 3 numbers"),
+        (lambda: linear_interpolation([0.0] * 3, [1.0] * 3, 5.0), "a whole number; 5.0 is given"),
+        (lambda: circular_interpolation([0.0] * 3, [1.0, 0.0, 0.0], np.nan, 5), "the radius of the arc"),
+        (lambda: circular_interpolation([0.0] * 3, [1.0, 0.0, 0.0], 1.0, 5, axis=3), "0, 1 or 2"),
+        (lambda: spline_interpolation([0.0, 0.0], 5), "a spline has rows of numbers"),
+        (lambda: spline_interpolation([[0.0, 0.0, 0.0]], 5), "two points or more"),
+        (lambda: build_box_path([0.0, 0.0], [1.0, 1.0], [0, 0, 0, 1], 0.0, [0, 0, 0, 1], 9), "the middle of the box"),
+    ],
+)
+def test_what_is_no_path_is_told_in_words(make, says):
+    with pytest.raises(ValueError, match=says):
+        make()
+
+
+def test_a_path_goes_on_with_a_path():
+    path = ToolPath.from_points(np.zeros((2, 3)))
+    for call in (lambda: path.append(3), lambda: path.prepend(None), lambda: path.transform(np.eye(4))):
+        with pytest.raises(TypeError):
+            call()
+    assert len(ToolPath.from_points([])) == 0
