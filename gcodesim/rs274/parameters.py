@@ -42,8 +42,9 @@ _READ_ONLY = frozenset([*range(5400, 5414), *range(5420, 5429)])
 
 _SET_IT = "set it before it is used, or ask with EXISTS[#<…>]"
 _WHERE_FROM = {
-    "_hal": "it is a pin of the running machine; write a number, or ask with EXISTS[#<_hal[…]>]",
-    "_ini": "it stands in the machine's INI file, which is not read; write a number",
+    "_hal": "it is a pin of the running machine: say with `--set '{name}=VALUE'` what it has, "
+    "or ask with EXISTS[#<_hal[…]>]",
+    "_ini": "it stands in the machine's INI file, which is not read: say with `--set '{name}=VALUE'` what it has",
 }
 
 
@@ -89,7 +90,7 @@ class Parameters:
             raise Fault(
                 "GS120",
                 f"#<{name}> has no value",
-                hint=self._suggestion(name) or _WHERE_FROM.get(name.partition("[")[0]) or _SET_IT,
+                hint=self._suggestion(name) or _WHERE_FROM.get(name.partition("[")[0], _SET_IT).format(name=name),
             )
         return value
 

@@ -9,7 +9,9 @@ from gcodesim.diagnostics import Diagnostic, SourceText, Span
 from gcodesim.rs274.fault import Fault
 from gcodesim.rs274.parameters import Parameters
 
-_WRITTEN = re.compile(r"#?\s*(?:<\s*(?P<named>[^<>]+)>|(?P<number>[0-9]+)|(?P<bare>[A-Za-z_][A-Za-z0-9_ ]*))\s*")
+_WRITTEN = re.compile(
+    r"#?\s*(?:<\s*(?P<named>[^<>]+)>|(?P<number>[0-9]+)|(?P<bare>[A-Za-z_][A-Za-z0-9_ ]*(?:\[[^\[\]<>]+\])?))\s*"
+)
 _NOTES = re.compile(r"\((?!\s*(?:debug|print|log|msg)\s*,)[^)]*\)?|;.*", re.IGNORECASE)
 _COMPUTED = re.compile(r"#\s*[\[#]")
 Parameter = int | str
@@ -17,7 +19,7 @@ Parameter = int | str
 
 
 def parameter_of(text: str) -> Parameter | None:
-    """The parameter that `#100`, `100`, `#<depth>` or `depth` means; None for any other text."""
+    """The parameter that `#100`, `100`, `#<depth>`, `depth` or `_hal[pin]` means; None for any other text."""
     match = _WRITTEN.fullmatch(text.strip())
     if match is None:
         return None

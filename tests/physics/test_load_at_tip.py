@@ -152,7 +152,7 @@ def test_misuse_is_told(tmp_path: Path) -> None:
         with pytest.raises(MisuseError, match="no robot holds tool 1"):
             tool.apply_tcp_force([1.0, 0.0, 0.0])
         tool.couple(cell.robot())
-        with pytest.raises(MisuseError, match="has 3 numbers|finite numbers"):
+        with pytest.raises(MisuseError, match="has 3 numbers"):
             tool.apply_tcp_force([1.0, 0.0])
         with pytest.raises(MisuseError, match="`world` or of the `tool`"):
             tool.apply_tcp_force([1.0, 0.0, 0.0], frame="part")  # type: ignore[arg-type]

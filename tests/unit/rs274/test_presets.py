@@ -27,6 +27,17 @@ def test_numbers_names_and_globals_are_there_at_the_first_block(lane):
     assert not list(reading.findings)
 
 
+def test_a_pin_of_the_machine_has_the_value_that_is_given():
+    """As programs for plasma tables ask for the feed of the material."""
+    text = "G21 G90\nF#<_hal[plasmac.cut-feed-rate]>\nG1 X#<_HAL[ plasmac.cut-feed-rate ]>\nM2\n"
+    name = parameter_of("_hal[plasmac.cut-feed-rate]")
+    assert name == parameter_of("#<_hal[plasmac.cut-feed-rate]>") == "_hal[plasmac.cut-feed-rate]"
+    assert not list(run(text, {name: 3200.0}).findings)
+
+    (missing,) = run(text, {}).findings
+    assert missing.code == "GS120" and "--set '_hal[plasmac.cut-feed-rate]=VALUE'" in missing.hint
+
+
 def test_a_subroutine_does_not_see_a_local_name():
     reading = run("O1 SUB\nG0 X#<deep>\nO1 ENDSUB\nO1 CALL\nM2\n", {"deep": 3.0})
 
