@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.arithmetic.atan_kernels import atan2
 from gcodesim.compiled import kernel
 from gcodesim.material.distance_kernels import DEEPEST, SkinTree, skin_distance
 from gcodesim.material.field_kernels import Columns, Grid
@@ -320,11 +321,8 @@ def region_at(parts: Parts, comb: Comb, side: int, x: float, y: float, z: float)
     nx = (parts.first.shape[0] - 1) // ny
     if comb.turned:
         s = float(np.sqrt(x * x + y * y))
-        i, j, most = int(np.floor((z - comb.grid.x) / comb.grid.dx)), 0, -FAR
-        for t in range(ny):
-            along = x * comb.cosine[t] + y * comb.sine[t]
-            if along > most:
-                j, most = t, along
+        i = int(np.floor((z - comb.grid.x) / comb.grid.dx))
+        j = int(np.floor((atan2(y, x) - comb.grid.y) / comb.grid.dy)) % ny
     else:
         s = z
         i = int(np.floor((x - comb.grid.x) / comb.grid.dx))
@@ -341,10 +339,12 @@ def region_at(parts: Parts, comb: Comb, side: int, x: float, y: float, z: float)
 def share_skin(triangles: Array, parts: Parts, comb: Comb, tolerance: float, spacing: float, areas: Array) -> None:
     """Add to `areas` (regions + 1,) [m²] the skin of the target beside which each region lies; all of it to the first.
 
-    triangles (f, 9), counter-clockwise from outside; they are looked at in points about `spacing` [m] apart.
+    triangles (f, 9), counter-clockwise from outside; they are looked at in points about `spacing` [m] apart. Those of
+    something round are long and narrow, so points stand in rows beside the longest side.
     """
+    t = np.zeros(9)
     for f in range(triangles.shape[0]):
-        t = triangles[f]
+        length = longest_first(triangles[f], t)
         bx, by, bz = t[3] - t[0], t[4] - t[1], t[5] - t[2]
         cx, cy, cz = t[6] - t[0], t[7] - t[1], t[8] - t[2]
         nx, ny, nz = by * cz - bz * cy, bz * cx - bx * cz, bx * cy - by * cx
@@ -352,21 +352,44 @@ def share_skin(triangles: Array, parts: Parts, comb: Comb, tolerance: float, spa
         if twice == 0.0:
             continue
         nx, ny, nz = nx / twice * tolerance, ny / twice * tolerance, nz / twice * tolerance
-        square = max(bx * bx + by * by + bz * bz, cx * cx + cy * cy + cz * cz)
-        square = max(square, (cx - bx) * (cx - bx) + (cy - by) * (cy - by) + (cz - bz) * (cz - bz))
-        n = max(1, min(2000, int(np.ceil(np.sqrt(square) / spacing))))
-        small = 0.5 * twice / (n * n)
         areas[0] += 0.5 * twice
-        for a in range(n):
-            for b in range(2 * (n - a) - 1):
-                low = 1.0 / 3.0 if b % 2 == 0 else 2.0 / 3.0
-                v, w = (a + low) / n, (b // 2 + low) / n
+        rows = points_on(twice / length, spacing)
+        for row in range(rows):
+            lower, upper = (
+                1.0 - row / rows,
+                1.0 - (row + 1) / rows,
+            )  # the widths of the row, as shares of the longest side
+            w = (row + (lower + 2.0 * upper) / (3.0 * (lower + upper))) / rows
+            many = points_on((1.0 - w) * length, spacing)
+            small = 0.5 * twice * (lower * lower - upper * upper) / many
+            for k in range(many):
+                v = (1.0 - w) * (k + 0.5) / many
                 x, y, z = t[0] + v * bx + w * cx, t[1] + v * by + w * cy, t[2] + v * bz + w * cz
                 region = region_at(parts, comb, EXCESS, x + nx, y + ny, z + nz)
                 if region == 0:
                     region = region_at(parts, comb, GOUGE, x - nx, y - ny, z - nz)
                 if region > 0:
                     areas[region] += small
+
+
+@kernel(lean=True)
+def longest_first(triangle: Array, out: Array) -> float:
+    """A triangle (9,) with the corners first between which its longest side lies, into `out`; the length of that side."""
+    longest, first = -1.0, 0
+    for k in range(3):
+        a, b = 3 * k, 3 * ((k + 1) % 3)
+        x, y, z = triangle[b] - triangle[a], triangle[b + 1] - triangle[a + 1], triangle[b + 2] - triangle[a + 2]
+        if x * x + y * y + z * z > longest:
+            longest, first = x * x + y * y + z * z, a
+    for k in range(9):
+        out[k] = triangle[(first + k) % 9]
+    return float(np.sqrt(longest))
+
+
+@kernel(lean=True)
+def points_on(length: float, spacing: float) -> int:
+    """How many points stand about `spacing` apart on a length [m]."""
+    return int(max(1.0, min(2000.0, np.ceil(length / spacing))))
 
 
 @kernel
