@@ -123,7 +123,10 @@ def _as_standalone(run: Run) -> list[canon.Event]:
     A probe stops short of its end, and yet the end is what is stored. Asked for the tool offset after a change of
     unit, it answers with the same numbers.
     """
-    with mock.patch("gcodesim.rs274.run.tripped", _tripped), mock.patch.object(Control, "change_unit", _change_unit):
+    with (
+        mock.patch("gcodesim.rs274.executor.tripped", _tripped),
+        mock.patch.object(Control, "change_unit", _change_unit),
+    ):
         return _as_probed(run)
 
 

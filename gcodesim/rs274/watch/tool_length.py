@@ -124,12 +124,12 @@ class MoveWithoutLength(Watch):
             self._at_home = True
 
     def event(self, event: canon.Event) -> None:
-        if isinstance(event, canon.ToolOffset):
-            self._added = event.offset[2]
-        if isinstance(event, canon.PointControl):
-            self._tip = event.on
-            self._at = self._place(event.at)
-        if not isinstance(event, canon.Move):
+        if not isinstance(event, canon.Move):  # asked first: nearly all of them are moves
+            if isinstance(event, canon.ToolOffset):
+                self._added = event.offset[2]
+            elif isinstance(event, canon.PointControl):
+                self._tip = event.on
+                self._at = self._place(event.at)
             return
         before, self._at = self._at, self._place(event.end)
         of_machine = self._machine or (isinstance(event, canon.Rapid) and event.word in ("G28", "G30"))
@@ -148,7 +148,8 @@ class MoveWithoutLength(Watch):
         return (end[0], end[1], end[2] if self._tip else end[2] + self._added)
 
     def _climb(self, start: canon.Point, end: canon.Point) -> float:
-        return sum(up * (b - a) for up, a, b in zip(self._up, start, end, strict=True))
+        x, y, z = self._up
+        return x * (end[0] - start[0]) + y * (end[1] - start[1]) + z * (end[2] - start[2])
 
     def _report(self, span: Span) -> None:
         assert self._pending is not None
