@@ -37,7 +37,7 @@ wheel: setup
 
 lint: setup
 	$(BIN)/ruff check gcodesim tests benchmarks scripts programs
-	$(BIN)/mypy
+	$(BIN)/mypy -n 2
 	$(BIN)/lint-imports --no-cache
 
 test: lint browser shells

@@ -128,7 +128,7 @@ work_offsets: {G54: {in: table, xyz: [0, FAR, 60]}}
 }
 
 
-@pytest.mark.parametrize(("name", "step"), [("rail", 1000), ("positioner", 700)])
+@pytest.mark.parametrize(("name", "step"), [pytest.param("rail", 1000, marks=pytest.mark.slow), ("positioner", 700)])
 def test_external_axes_are_asked_at_each_place(tmp_path, name, step):
     """The places are those at which a check of the whole program finds nothing out of reach."""
     cell = CELL[: CELL.index("frames:")] + CELL[CELL.index("robots:") : CELL.index("work_offsets")]

@@ -21,6 +21,7 @@ from gcodesim.planning.shop_posing import loads_of
 from gcodesim.shop import Shop
 from gcodesim.simulation import prepare
 from tests.contract.drawn_motion import KINDS, Drawn, with_jerk
+from tests.slow import some_slow
 
 BEYOND = ("GS201", "GS202", "GS203", "GS205", "GS216", "GS232")  # findings of a path that cannot be had
 ROUNDING = 1e-3  # joints are solved to 1e-9 m, which makes 1e-3 m/s² in a difference of two differences
@@ -97,7 +98,7 @@ def check_jerk(kind: str, seeds: range) -> None:
     assert used > 0.5
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", some_slow(KINDS, "arm on a rail"))
 def test_no_jerk_is_beyond_its_limit(kind: str) -> None:
     check_jerk(kind, range(2))
 
@@ -108,7 +109,7 @@ def test_no_jerk_of_many_is_beyond_its_limit(kind: str) -> None:
     check_jerk(kind, range(2, MANY // 2))
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", some_slow(KINDS, "arm on a rail"))
 def test_no_sample_is_beyond_a_limit(kind: str) -> None:
     check(kind, range(FEW))
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from tests.removal_cases import read_cases, run_case
+from tests.slow import some_slow
 
 CASES = {case["id"]: case for case in read_cases()}
 GROUPS = sorted({case["group"] for case in CASES.values() if "group" in case})
@@ -13,7 +14,7 @@ GROUPS = sorted({case["group"] for case in CASES.values() if "group" in case})
 LOOKED_AT = [name for name, case in CASES.items() if "group" not in case or name.endswith("-30")]
 
 
-@pytest.mark.parametrize("name", LOOKED_AT)
+@pytest.mark.parametrize("name", some_slow(LOOKED_AT, "V-v_line", "V-core", "V-turned-engraving-30"))
 def test_what_a_tool_sweeps_is_removed(name):
     """Volume, points in and out of material, where rays meet it, and its pieces; cells of the size of the case."""
     case = CASES[name]

@@ -17,7 +17,7 @@ from gcodesim.simulation import Job, Options, prepare
 from gcodesim.units import MM
 from tests.physics.runs import Ran, run_texts
 
-RESOLUTION = 0.5  # mm
+RESOLUTION = 0.8  # mm
 LINEAR = """
     X: {travel: [-400, 400 mm], speed: 30 m/min, acceleration: 4 m/s^2}
     Y: {travel: [-400, 400 mm], speed: 30 m/min, acceleration: 4 m/s^2}

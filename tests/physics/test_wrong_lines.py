@@ -11,6 +11,7 @@ from gcodesim.cell import load_cell
 from gcodesim.diagnostics import Severity, SourceText
 from gcodesim.jobs.job import Options
 from gcodesim.simulation import prepare, run
+from tests.slow import some_slow
 from tests.wrong_jobs import FAULTS, MilledJob, planted, pockets, relief
 
 CODE = {"plunge": "GS441", "offset": "GS441", "rapid": "GS401"}
@@ -34,7 +35,7 @@ def test_a_good_job_has_no_finding(kind: str, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("fault", FAULTS)
-@pytest.mark.parametrize("kind", SMALL)
+@pytest.mark.parametrize("kind", some_slow(SMALL, "relief"))
 def test_one_wrong_line_is_named(kind: str, fault: str, tmp_path: Path) -> None:
     job, line = planted(SMALL[kind](), fault, np.random.default_rng(7))
     assert blamed(job, tmp_path) == {(CODE[fault], line)}

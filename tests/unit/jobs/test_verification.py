@@ -13,6 +13,7 @@ from gcodesim.cell import load_cell
 from gcodesim.diagnostics import SourceText
 from gcodesim.jobs.job import Options
 from gcodesim.simulation import prepare, run
+from tests.slow import some_slow
 
 BLOCK = "stock: {min: [0, 0, -10], max: [40, 30, 0], resolution: 0.5}"
 FLAT = "{type: flat_end_mill, diameter: 6, length: 40}"
@@ -179,7 +180,7 @@ def test_a_printed_part_that_ends_early_lacks_its_end(tmp_path):
     assert region["low_mm"][0] == pytest.approx(30, abs=0.3)
 
 
-@pytest.mark.parametrize("left", [0.0, 0.05])
+@pytest.mark.parametrize("left", some_slow([0.0, 0.05], 0.0))
 def test_ridges_of_a_ball_are_as_high_as_their_formula(outcome, left):
     """R - sqrt(R^2 - (s/2)^2), also above a face that was not finished; passes know a ball by chords."""
     radius, step = 4.0, 1.5

@@ -17,6 +17,7 @@ from gcodesim.solids.mesh_file import Triangles
 from gcodesim.solids.triangle_tree import joined, tree_of
 from gcodesim.solids.triangles import triangles_of
 from gcodesim.tools.spray_gun import Fading, Footprint, SprayGun
+from tests.slow import some_slow
 
 UP = np.array([0.0, 0.0, 1.0])
 
@@ -55,7 +56,7 @@ def shades(bodies: list[Triangles], own: int = -1) -> Shades:
     return Shades(boxes, corners, first, np.array(balls).reshape(-1, 4), own)
 
 
-@pytest.mark.parametrize("tilt", [0.0, 0.3, -0.6])
+@pytest.mark.parametrize("tilt", some_slow([0.0, 0.3, -0.6], 0.0, -0.6))
 @pytest.mark.parametrize("profile", ["gaussian", "parabola", "uniform"])
 def test_all_that_is_sprayed_is_on_the_plane_at_any_tilt(tilt: float, profile: str) -> None:
     """Shares of the cone are those of the pattern, so their sum is 1; a rim counts for faces that it crosses."""

@@ -39,29 +39,28 @@ def elements(cutter, depth, count=300):
     return [np.concatenate([np.broadcast_to(row[i], count) for row in found]) for i in range(4)]
 
 
+def loads_at(law, phi, elements, wall, slope=0.0):
+    """Forces and torque (k, 4) of the elements (n,) of one edge that stand at the angles phi (k, n)."""
+    r, sine, cosine, width = elements
+    s, c = np.sin(phi), np.cos(phi)
+    advance = math.cos(slope) * s * sine - math.sin(slope) * cosine
+    here = (r * c <= wall) & (advance > 1e-4)
+    chip = np.where(here, CHIP * advance, 1.0)
+    grown = [np.where(here, width * (f * chip**p + e), 0.0) for f, p, e in law.packed]
+    inward = grown[1] * sine + grown[2] * cosine
+    parts = (-grown[0] * c - inward * s, grown[0] * s - inward * c, grown[1] * cosine - grown[2] * sine, grown[0] * r)
+    return np.stack([part.sum(axis=1) for part in parts], axis=1)
+
+
 def by_sum(cutter, law, depth, wall, slope=0.0, angles=720):
     """Greatest force and torque in a pitch, `angles` looks at it; material is where l <= `wall` [m]."""
     r, z, kappa, width = elements(cutter, depth)
     sine, cosine = np.sin(kappa), np.where(np.abs(np.cos(kappa)) < 1e-12, 0.0, np.cos(kappa))
     pitch = 2.0 * math.pi / cutter.flutes
+    turned = (np.arange(angles) / angles)[:, None] * pitch - 2.0 * z * math.tan(cutter.helix) / D
     loads = np.zeros((angles, 4))
-    for k in range(angles):
-        for tooth in range(cutter.flutes):
-            phi = (k / angles + tooth) * pitch - 2.0 * z * math.tan(cutter.helix) / D
-            s, c = np.sin(phi), np.cos(phi)
-            advance = math.cos(slope) * s * sine - math.sin(slope) * cosine
-            here = (r * c <= wall) & (advance > 1e-4)
-            grown = [
-                np.where(here, width * (f * np.where(here, CHIP * advance, 1.0) ** p + e), 0.0)
-                for f, p, e in law.packed
-            ]
-            inward = grown[1] * sine + grown[2] * cosine
-            loads[k] += [
-                (-grown[0] * c - inward * s).sum(),
-                (grown[0] * s - inward * c).sum(),
-                (grown[1] * cosine - grown[2] * sine).sum(),
-                (grown[0] * r).sum(),
-            ]
+    for tooth in range(cutter.flutes):
+        loads += loads_at(law, turned + tooth * pitch, (r, sine, cosine, width), wall, slope)
     return float(np.sqrt((loads[:, :3] ** 2).sum(axis=1)).max()), float(loads[:, 3].max())
 
 
@@ -212,13 +211,7 @@ def test_below_a_floor_an_edge_meets_another_wall_than_above(further):
 def mean_by_sum(cutter, law, depth, wall):
     """The size of the mean force of a level cut, to the right of a wall, by the sum over all elements and angles."""
     r, _, kappa, width = elements(cutter, depth)
-    sine, cosine, angles, total = np.sin(kappa), np.cos(kappa), 8192, np.zeros(3)
-    for k in range(angles):
-        phi = (k + 0.5) / angles * 2.0 * math.pi
-        s, c = math.sin(phi), math.cos(phi)
-        here = (r * c <= wall) & (s * sine > 1e-4)
-        chip = np.where(here, CHIP * s * sine, 1.0)
-        g = [np.where(here, width * (factor * chip**power + edge), 0.0) for factor, power, edge in law.packed]
-        inward = g[1] * sine + g[2] * cosine
-        total += [(-g[0] * c - inward * s).sum(), (g[0] * s - inward * c).sum(), (g[1] * cosine - g[2] * sine).sum()]
-    return float(np.linalg.norm(total)) * cutter.flutes / angles
+    own = (r, np.sin(kappa), np.cos(kappa), width)
+    phi = (np.arange(8192) + 0.5) / 8192 * 2.0 * math.pi
+    mean = np.mean([loads_at(law, some[:, None], own, wall).mean(axis=0) for some in phi.reshape(8, -1)], axis=0)
+    return float(np.linalg.norm(mean[:3])) * cutter.flutes
