@@ -76,10 +76,6 @@ class Extrusion(Process):
         return (signals[ACTIVE.name] > 0.0) & ~(signals[FLOW.name] <= 0.0)
 
     @property
-    def laid_section(self) -> float:
-        return self.extruder.bead_width * self.extruder.bead_height
-
-    @property
     def swept(self) -> Array | None:
         half, height = 0.5 * self.extruder.bead_width, self.extruder.bead_height
         return np.array([[-half, -height], [half, -height], [half, 0.0], [-half, 0.0]])

@@ -185,11 +185,6 @@ class Process:
         return self
 
     @property
-    def laid_section(self) -> float:
-        """The greatest section [m²] of what it adds along its path while it is switched on; 0 when it adds nothing."""
-        return 0.0
-
-    @property
     def swept(self) -> Array | None:
         """The closed outline (k, 2) [m] of what takes or adds material: across the axis, and along it from the tip.
 
