@@ -34,7 +34,7 @@ from gcodesim.material.query_kernels import (
     fill_slices,
     highest_at,
     occupancy,
-    surface_at,
+    surface_around,
     volume_of,
 )
 from gcodesim.material.removal_kernels import (
@@ -82,7 +82,7 @@ __all__ = [
     "ring_at",
     "scratch",
     "share_between",
-    "surface_at",
+    "surface_around",
     "swept_outline",
     "take_ring",
     "tighten_tops",

@@ -53,21 +53,26 @@ def occupancy_of(columns: Columns, grid: Grid, x: float, y: float, z0: float, z1
     return total / (z1 - z0)
 
 
-@kernel(lean=True)
-def surface_at(field: Field, x: float, y: float) -> float:
-    """Height [m] of the top at (x, y): bilinear between four column centres; -inf if any of these is empty."""
+@kernel(lean=True, inlined=True)
+def surface_around(field: Field, x: float, y: float) -> tuple[float, float]:
+    """Height [m] of the top at (x, y), and by how much the four column centres differ between which that is.
+
+    The height is bilinear; -inf, and differs without end, if any of the columns is empty.
+    """
     (_, hi, count), (i, j, wx, wy) = field.columns, surrounding(field.grid, x, y)
     nx, ny = count.shape
     if i < 0 or j < 0 or i + 1 >= nx or j + 1 >= ny:
-        return -np.inf
-    height = 0.0
+        return -np.inf, np.inf
+    height, least, most = 0.0, np.inf, -np.inf
     for di in range(2):
         for dj in range(2):
             last = count[i + di, j + dj] - 1
             if last < 0:
-                return -np.inf
-            height += (wx if di == 1 else 1.0 - wx) * (wy if dj == 1 else 1.0 - wy) * hi[i + di, j + dj, last]
-    return float(height)
+                return -np.inf, np.inf
+            top = hi[i + di, j + dj, last]
+            least, most = min(least, top), max(most, top)
+            height += (wx if di == 1 else 1.0 - wx) * (wy if dj == 1 else 1.0 - wy) * top
+    return float(height), float(most - least)
 
 
 @kernel(lean=True, inlined=True)

@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.arithmetic.sin_kernels import cos_sin
 from gcodesim.compiled import kernel
 from gcodesim.material.kernels import (
     ELSEWHERE,
@@ -52,6 +53,7 @@ from gcodesim.processes.engagement_kernels import (
 from gcodesim.processes.limit_kernels import (
     FULL,
     NO_LIMIT,
+    PER_ANGLE,
     ContactLimit,
     EdgeBand,
     end_of_side,
@@ -66,6 +68,7 @@ Array = NDArray[np.float64]
 
 HALF = ANGLES // 2
 SAME_LAYER = 0.5  # [angles] by which the contact of rows of one layer may differ
+LANDING = 0.5  # by which the shares of two angles at one wall differ at most
 TURNS = 4  # in which a limit is found that no wall tells
 
 
@@ -193,6 +196,19 @@ def above_foot(cylinder: EdgeCylinder, layer: EdgeLayer, limit: ContactLimit) ->
     return EdgeLayer(max(begin, layer.begin), layer.end)
 
 
+@kernel(lean=True)
+def fill_outermost(
+    field: Field, tip: Array, heading: Heading, clearance: Clearance, room: Room, cylinder: EdgeCylinder,
+    layer: EdgeLayer, limit: ContactLimit, at_left: bool,
+) -> None:  # fmt: skip
+    """Set the outermost angle on one side to what is a cell outside the wall of a limit, for all rows of a layer."""
+    number, outer = layer.end - layer.begin, 0 if at_left else HALF - 1
+    spot = spot_beyond(tip, heading, span_of_layer(cylinder, layer), clearance, limit, at_left)
+    fill_slices(field, spot.x, spot.y, spot.bottom, cylinder.height, room.line[:number])
+    for i in range(number):
+        room.weights[cylinder.first + layer.begin + i, outer] = room.line[i]
+
+
 @kernel(lean=True, inlined=True)
 def sides_of_layer(
     field: Field, circle: Circle, tip: Array, heading: Heading, clearance: Clearance, room: Room,
@@ -203,8 +219,7 @@ def sides_of_layer(
     Returns how many seams there are then, and the angles (first, end) between which other seams may be. share (HALF,)
     is that of the layer.
     """
-    radius, line = cylinder.radius, room.line
-    inside = max(radius - clearance.aside, 0.0) / radius
+    inside = max(cylinder.radius - clearance.aside, 0.0) / cylinder.radius
     first, end = 1, HALF
     for at_left in (True, False):
         outer = 0 if at_left else HALF - 1
@@ -217,11 +232,7 @@ def sides_of_layer(
             if limit.angle == NO_LIMIT:
                 break
             upper = above_foot(cylinder, rest, limit)
-            number = upper.end - upper.begin
-            spot = spot_beyond(tip, heading, span_of_layer(cylinder, upper), clearance, limit, at_left)
-            fill_slices(field, spot.x, spot.y, spot.bottom, cylinder.height, line[:number])
-            for i in range(number):
-                room.weights[cylinder.first + upper.begin + i, outer] = line[i]
+            fill_outermost(field, tip, heading, clearance, room, cylinder, upper, limit, at_left)
             note_layer(room, cylinder, upper, from_k, to_k, limit.angle, seam)
             rest, seam, found = EdgeLayer(rest.begin, upper.begin), seam + 1, True
         if found and at_left:
@@ -235,10 +246,10 @@ def sides_of_layer(
 def limit_between(
     field: Field, circle: Circle, tip: Array, heading: Heading, clearance: Clearance, room: Room,
     cylinder: EdgeCylinder, span: EdgeBand, share: Array, ramp: tuple[int, int, int],
-) -> tuple[float, bool]:  # fmt: skip
+) -> tuple[ContactLimit, bool]:  # fmt: skip
     """The limit of a layer in the middle of a ramp of its share (HALF,): by its wall, else by halving.
 
-    Returns it [angles], and whether a wall has told it.
+    Also whether a wall has told it.
     """
     _, ahead, aside = clearance
     first, last, after = ramp
@@ -252,13 +263,42 @@ def limit_between(
         spot = spot_at(tip, own, span, px, py, way)
         wall = limit_at(field, tip, heading, clearance, cylinder.radius, spot, room.load)
         if wall.angle != NO_LIMIT:
-            return wall.angle, True
+            return wall, True
         between = occupancy(field, spot.x, spot.y, spot.bottom, spot.top)
         if (between > middle_share) == rises:
             most, high = middle, between
         else:
             least, low = middle, between
-    return after - 0.5 + crossing(least, most, low, high, middle_share), False
+    angle = after - 0.5 + crossing(least, most, low, high, middle_share)
+    return ContactLimit(angle, 0.0, 0.0, 0.0, 0.0), False
+
+
+class RampWall(NamedTuple):
+    """A wall at a limit [angles] of a cylinder of this radius, and how near to it columns are soft [m].
+
+    rises: whether the share is greater behind it.
+    """
+
+    limit: float
+    radius: float
+    near: float
+    rises: bool
+
+
+@kernel(lean=True, inlined=True)
+def is_soft(circle: Circle, share: Array, wall: RampWall, at: int, after: int) -> bool:
+    """Whether what the columns say at one angle is still that of a wall, so that the ramp goes on beside it.
+
+    Its share (HALF,) still changes from angle after - 1 to `after`; or the angle is as near to the wall as a cell is
+    wide, where a stair of columns may have a landing.
+    """
+    if goes_on(share, after, wall.rises):
+        return True
+    inside = max(wall.radius - wall.near, 0.0)
+    asked = min(max(wall.radius * circle.cosines[at], -inside), inside)
+    if abs(asked - wall.radius * cos_sin(wall.limit / PER_ANGLE)[0]) >= wall.near:
+        return False
+    return bool(min(share[after - 1], share[after]) >= 0.0 and abs(share[after] - share[after - 1]) <= LANDING)
 
 
 @kernel(lean=True, inlined=True)
@@ -281,11 +321,18 @@ def seams_of_layer(
         ramp = (from_k, to_k, after)
         limit, seen = limit_between(field, circle, tip, heading, clearance, room, cylinder, span, share, ramp)
         if seen:
-            while from_k > 0 and goes_on(share, from_k, total > earlier):
+            at = RampWall(
+                limit.angle, cylinder.radius, clearance.aside if heading.turn == 0.0 else 0.0, total > earlier
+            )
+            while from_k > 0 and is_soft(circle, share, at, from_k, from_k):
                 from_k -= 1
-            while to_k + 1 < HALF and goes_on(share, to_k + 1, total > earlier):
+            while to_k + 1 < HALF and is_soft(circle, share, at, to_k, to_k + 1):
                 to_k += 1
-        note_layer(room, cylinder, layer, from_k, to_k, limit, seam)
+            own = leaning(heading, room.leans, after - 1)
+            for at_left in (True, False):  # soft up to the rim: no angle there says what is outside the wall
+                if (from_k == 0 and limit.aside > 0.0) if at_left else (to_k == HALF - 1 and limit.aside < 0.0):
+                    fill_outermost(field, tip, own, clearance, room, cylinder, layer, limit, at_left)
+        note_layer(room, cylinder, layer, from_k, to_k, limit.angle, seam)
         seam, done = seam + 1, to_k + 1
     return seam
 

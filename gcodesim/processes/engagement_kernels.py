@@ -28,7 +28,7 @@ from gcodesim.material.kernels import (
     ToColumns,
     ask_places,
     share_between,
-    surface_at,
+    surface_around,
     to_columns,
 )
 from gcodesim.processes.edge_kernels import (
@@ -95,6 +95,8 @@ Array = NDArray[np.float64]
 
 NOWHERE = -1  # there is no contact
 AT_LEFT, AT_RIGHT = 1, 2  # sides of which a wall has told the limit
+WALL = 4.0  # [cells] by which columns side by side differ in height where a wall stands between them
+UNKNOWN_LEAN = -1.0
 SAME_LIMIT = 1.0e-3  # [angles] by which two limits of one row have to differ
 
 
@@ -186,6 +188,16 @@ def lay_places(circle: Circle, ring: Ring, heading: Heading, columns: ToColumns,
         ups[k] = climb * max(way, least_way)
 
 
+@kernel(lean=True, inlined=True)
+def surface_ahead(
+    field: Field, tip: Array, heading: Heading, clearance: Clearance, px: float, py: float
+) -> tuple[float, bool]:
+    """Height [m] of the surface at the place (px, py) in K; whether no wall stands between the columns around it."""
+    ux, uy = heading.ux, heading.uy
+    height, step = surface_around(field, tip[0] + ux * px - uy * py, tip[1] + uy * px + ux * py)
+    return height, step <= WALL * clearance.cell
+
+
 @kernel(lean=True)
 def leans_of(
     field: Field, circle: Circle, tip: Array, heading: Heading, clearance: Clearance, ring: Ring, leans: Array
@@ -193,18 +205,24 @@ def leans_of(
     """What part of the climb of a rising tool the surface in front has, leans (ANGLES,), each from 0 to 1.
 
     Material is asked for ahead of the edge. There a floor that an earlier pass has left stands higher by the climb, but
-    the top of a raw block does not: so it is asked as much higher as the surface rises on from there.
+    the top of a raw block does not: so it is asked as much higher as the surface rises on from there. What is at a wall
+    says nothing of that: there the angle beside it tells, or all of the climb counts where none does.
     """
     leans[ANGLES // 2 :] = 0.0
     for k in range(ANGLES // 2):
         px, py, _ = probe(ring.radius, ring.outer - ring.ahead, circle.sines[k], circle.cosines[k], ring.ahead,
                           clearance.aside, heading.level, heading.turn)  # fmt: skip
-        near = surface_at(field, tip[0] + heading.ux * px - heading.uy * py, tip[1] + heading.uy * px + heading.ux * py)
-        px += ring.ahead
-        far = surface_at(field, tip[0] + heading.ux * px - heading.uy * py, tip[1] + heading.uy * px + heading.ux * py)
-        known = near > -np.inf and far > -np.inf
-        rise = max(far - near, 0.0) * heading.level if known else np.inf
-        leans[k] = min(rise / (heading.climb * ring.ahead), 1.0)
+        near, near_known = surface_ahead(field, tip, heading, clearance, px, py)
+        far, far_known = surface_ahead(field, tip, heading, clearance, px + ring.ahead, py)
+        rise = max(far - near, 0.0) * heading.level
+        leans[k] = min(rise / (heading.climb * ring.ahead), 1.0) if near_known and far_known else UNKNOWN_LEAN
+    for k in range(1, ANGLES // 2):
+        if leans[k] == UNKNOWN_LEAN:
+            leans[k] = leans[k - 1]
+    for j in range(ANGLES // 2):
+        k = ANGLES // 2 - 1 - j
+        if leans[k] == UNKNOWN_LEAN:
+            leans[k] = leans[k + 1] if j > 0 else 1.0
 
 
 @kernel(lean=True, inlined=True)

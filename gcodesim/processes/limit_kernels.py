@@ -25,6 +25,7 @@ NO_LIMIT = -1.0
 BASE = 4.0  # [cells] between two places of a wall that tell its slope
 LEAN = 0.5  # of a slope at one place, by which the other is looked for: half of it may be a ripple
 STEEPEST_TURN = 0.05  # least share of the radius of an arc at which a wall is from its centre
+OWN_FRONT = 0.1  # [cells] outside the rim, up to which a wall ahead is taken for one that the tool has just cut
 NEXT_TO = 1.0e-6  # [angles]
 FULL = 1.0 - 1.0e-9  # from which on a share is all
 SAME_SHARE = 0.02  # up to which the shares of two angles are the same but for what earlier cuts have left
@@ -152,6 +153,16 @@ def sight_at(field: Field, tip: Array, heading: Heading, spot: EdgeSpot, line: A
     return SeenWall(near.known, ahead - s * near.aside, aside + t * near.aside, near.slope, near.foot)
 
 
+@kernel(lean=True, inlined=True)
+def is_own_front(seen: SeenWall, radius: float, clearance: Clearance) -> bool:
+    """Whether what was seen is, at one of the columns, the front that the tool itself has just cut.
+
+    No earlier wall is nearer than that, and what lies between it and such a wall tells the place of neither.
+    """
+    reach = radius + OWN_FRONT * clearance.aside
+    return bool(seen.ahead > 0.0 and seen.ahead * seen.ahead + seen.aside * seen.aside < reach * reach)
+
+
 @kernel(lean=True)
 def limit_at(
     field: Field, tip: Array, heading: Heading, clearance: Clearance, radius: float, spot: EdgeSpot, line: Array
@@ -162,7 +173,7 @@ def limit_at(
     places a few cells apart, of which one is as near to the edge as nothing has been cut yet.
     """
     seen = sight_at(field, tip, heading, spot, line)
-    if not seen.known:
+    if not seen.known or is_own_front(seen, radius, clearance):
         return no_limit()
     if heading.turn != 0.0:
         slope = heading.turn * seen.ahead / max(1.0 - heading.turn * seen.aside, STEEPEST_TURN)
