@@ -50,9 +50,11 @@ class MovedMachine:
         self.q = self.shop.home.copy()
         self.qd = np.zeros_like(self.q)
         self.target = self.q.copy()
-        self.state = ToolState()
+        assert job.cell is not None
+        loaded = job.cell.channels[job.channel].loaded_tool or 0  # in hand from the start, as of a program
+        self.state = ToolState(tool=loaded)
         self.active = False
-        self.switches = Switches()
+        self.switches = Switches.holding(self.shop.tool(loaded))
         self.record: StepRecord | None = None
         self._waiting: list[Stretched] = []
         self._unchecked: list[Plan] = []

@@ -55,6 +55,11 @@ class Switches:
     _waiting: list[Event] = field(default_factory=list)
     values: dict[str, float] = field(default_factory=dict)  # of settings, until the tool is changed
 
+    @staticmethod
+    def holding(tool: Tool | None) -> Switches:
+        """Those of a machine that holds a tool from the start, switched off."""
+        return Switches(tool, _waiting=[action(OFF)] if _takes_actions(tool) else [])
+
     def change(self, number: int, tool: Tool | None) -> None:
         """The tool in hand goes, switched off, and `tool` comes."""
         self.turn(False)

@@ -188,3 +188,30 @@ def test_what_goes_wrong_on_the_way_is_a_finding_at_a_line_of_the_script(
         use(cell.tool, cell.robot(), cell)
     found = [f for f in cell.results.findings if f.code == code]
     assert found and found[0].span.file == Path(__file__).name and found[0].span.line > 1
+
+
+def test_the_loaded_tool_is_in_hand_from_the_start_and_off(tmp_path: Path) -> None:
+    """As in the spindle of a program; it was in nobody's hand."""
+    (tmp_path / "cell.yaml").write_text(
+        "gcodesim: 1\nmachine: gantry_xyz\nloaded_tool: 1\nwork_offsets: {G54: {xyz: [400, 300, -300]}}\n"
+        "stock: {min: [-20, -20, -5], max: [80, 40, 0], in: G54, resolution: 1, material: al6082_t6}\n"
+        "tools: {1: {type: laser, power: 500 W, diameter: 5, length: 60, specific_energy: 20 J/mm^3}}\n"
+        "simulation: {world: kinematic}\n"
+    )
+    line = gcodesim.ToolPath.from_points(np.array([[0.0, 0.0, 0.0], [50e-3, 0.0, 0.0]]), feed=50e-3)
+
+    def removed(*, on: bool) -> float:
+        with gcodesim.open_cell(tmp_path / "cell.yaml") as cell:
+            machine = cell.robot()
+            assert machine.tool is cell.tool(1) and cell.tool(1).is_coupled
+            assert machine.endeffector_pose[0][2] == pytest.approx(-60e-3)
+            if on:
+                cell.tool(1).activate()
+            machine.run(line)
+            cell.tool(1).decouple()
+            cell.step(0.1)
+            assert machine.tool is None
+        return 1e9 * cell.results.stocks["stock"].removed
+
+    assert removed(on=False) == 0.0
+    assert removed(on=True) == pytest.approx(25.0, rel=0.05)  # 500 W for 1 s and what speeding up takes
