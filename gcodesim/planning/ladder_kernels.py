@@ -100,7 +100,12 @@ def close_by(ladder: Ladder, u: int, v: int, bound: Array, even: bool) -> tuple[
     """What the pair from u to v costs and the code of its turns; −1 where one joint goes beyond `bound` (j,)."""
     q, kind = ladder.q, ladder.kind
     count = q.shape[1]
-    for j in range(count - 1, -1, -1):
+    leading = 0  # where external axes stand tells most pairs apart
+    while leading < count and kind[leading] == LINEAR:
+        if abs(q[v, leading] - q[u, leading]) > bound[leading]:
+            return -1.0, 0
+        leading += 1
+    for j in range(count - 1, leading - 1, -1):
         if abs(step_of(q[u, j], q[v, j], kind[j])) > bound[j]:
             return -1.0, 0
     way, code, turned = 0.0, 0, False
@@ -230,6 +235,7 @@ def widest(ladder: Ladder, rails: Rails) -> float:
     rungs, turns = ladder.first.shape[0] - 1, ladder.whole.shape[0]
     most = most_of(ladder)
     before, now = np.empty((most, turns)), np.empty((most, turns))
+    cap = np.empty(turns)
     best = -1.0
     for i in range(rungs):
         a = ladder.first[i]
@@ -237,17 +243,26 @@ def widest(ladder: Ladder, rails: Rails) -> float:
         best = -1.0
         for v in range(a, ladder.first[i + 1]):
             row = now[v - a]
-            for t in range(turns):
-                row[t] = np.inf if i == 0 else -1.0
-            for e in range(rails.first[v], rails.first[v + 1]):
-                old, shift = before[rails.source[e] - above], rails.shift[e]
-                for t in range(turns):
-                    s = turn_before(ladder, t, shift)
-                    if s >= 0 and old[s] > row[t]:
-                        row[t] = old[s]
+            lower = 0  # turns that have less than their own margin allows
             for t in range(turns):
                 margin = margin_of(ladder, v, t)
-                row[t] = min(row[t], max(margin, 0.0)) if margin >= -SLACK else -1.0
+                cap[t] = max(margin, 0.0) if margin >= -SLACK else -1.0
+                row[t] = cap[t] if i == 0 else -1.0
+                if row[t] < cap[t]:
+                    lower += 1
+            for e in range(rails.first[v], rails.first[v + 1]):
+                if lower == 0:
+                    break
+                old, shift = before[rails.source[e] - above], rails.shift[e]
+                for t in range(turns):
+                    if row[t] >= cap[t]:
+                        continue
+                    s = turn_before(ladder, t, shift)
+                    if s >= 0 and old[s] > row[t]:
+                        row[t] = min(old[s], cap[t])
+                        if row[t] >= cap[t]:
+                            lower -= 1
+            for t in range(turns):
                 best = max(best, row[t])
         before, now = now, before
     return best
