@@ -374,7 +374,7 @@ def share_skin(triangles: Array, parts: Parts, comb: Comb, tolerance: float, spa
 
 @kernel(lean=True)
 def longest_first(triangle: Array, out: Array) -> float:
-    """A triangle (9,) with the corners first between which its longest side lies, into `out`; the length of that side."""
+    """A triangle (9,) into `out` (9,), turned so that its longest side comes first; the length of that side."""
     longest, first = -1.0, 0
     for k in range(3):
         a, b = 3 * k, 3 * ((k + 1) % 3)

@@ -106,9 +106,7 @@ def path_control(words: Words, control: Control) -> None:
         tolerance, naive = (_tolerance(words, control, letter) for letter in "pq")
         state.path_tolerance = (tolerance or 0.0) * state.unit
         state.path_naive = state.path_tolerance if naive is None else naive * state.unit
-        if words.get("r") is not None:
-            if "m19" in words.names:
-                raise Fault("GS104", "R may belong to G64 or to M19", at="r", hint="put one into a block of its own")
+        if words.get("r") is not None and "m19" not in words.names:  # beside M19 it is the angle of the spindle
             control.skip("G64 R", words.block.place_of("r"))
     control.say_path()
 

@@ -182,6 +182,13 @@ EXPLAINED: tuple[Explanation, ...] = (
         _found(r"refused.*GS106 L\d+ is no way to wait"),
     ),
     Explanation(
+        "G64 R chooses a planner since 2.10; here a note (GS913) says so",
+        lambda case: (
+            "R word with no g code" in case.verdict.message
+            and re.search(r"G\s*64(?![\d.]).*R|R.*G\s*64(?![\d.])", case.verdict.text, re.IGNORECASE) is not None
+        ),
+    ),
+    Explanation(
         "a P-1 is no P to LinuxCNC, so that another one may follow",
         lambda case: (
             "GS009 P stands twice" in case.found
