@@ -365,6 +365,6 @@ def _skin_areas(both: _Compared, parts: Parts, tree: SkinTree, tolerance: float,
     if count == 0:
         areas[0] = whole
         return areas
-    spacing = max(both.cell, float(np.sqrt(whole / SKIN_POINTS)))
+    spacing = max(0.5 * both.cell, float(np.sqrt(whole / SKIN_POINTS)))
     share_skin(tree.triangles, parts, both.comb, tolerance, spacing, areas)
     return areas
