@@ -25,6 +25,7 @@ SHORTEST = 1.0e-3  # [cells] between two crossings that make a line
 UNKNOWN = -1.0
 LOWEST, UNSEEN = -1.0e9, 1.0e9  # heights [m]: of a foot that is below everything, of none
 UNCUT = 0.5  # where material ends at the border of the stock
+NEARER = 1.02  # times as far a wall goes along u as along l; one at 45 degrees would be known and not, by its ripples
 
 
 class NearWall(NamedTuple):
@@ -155,7 +156,7 @@ def wall_near(
 ) -> NearWall:  # fmt: skip
     """The wall between the columns around (x, y) that stands in z0..z1 [m]; l is to the left of the unit vector u.
 
-    Only one that is nearer to u than to l: of others nothing is said. line (4,) is room.
+    Only one that is clearly nearer to u than to l: of others nothing is said. line (4,) is room.
     """
     nothing = NearWall(False, 0.0, 0.0, UNSEEN)
     grid = field.grid
@@ -169,7 +170,7 @@ def wall_near(
         return nothing
     way_x, way_y = (line[2] - line[0]) * grid.dx, (line[3] - line[1]) * grid.dy
     along, across = way_x * ux + way_y * uy, way_y * ux - way_x * uy
-    if abs(along) <= abs(across):
+    if abs(along) <= NEARER * abs(across):
         return nothing
     slope = across / along
     off_x, off_y = (line[0] - wx) * grid.dx, (line[1] - wy) * grid.dy

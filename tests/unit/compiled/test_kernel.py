@@ -23,6 +23,7 @@ from gcodesim.diagnostics import SourceText, Span
 from gcodesim.frames import Pose
 from gcodesim.motion import build_tool_path
 from gcodesim.motion.blend import blend
+from gcodesim.motion.look_ahead import LookAhead
 from gcodesim.motion.pieces import AxisLimits
 from gcodesim.motion.printer_law import as_printed, without_blending
 from gcodesim.motion.timing import time_law
@@ -111,7 +112,9 @@ def test_short_calls_have_the_bits_of_the_compiled_kernel(monkeypatch: pytest.Mo
     random = np.random.default_rng(11)
     for own_ways in (False, True) * 10:
         path = build_tool_path(list(random_events(random, 60)), (0.0,) * 6)
-        assert time_law(blend(path, LIMITS, independent_rapids=own_ways)).duration > 0.0
+        pieces = blend(path, LIMITS, independent_rapids=own_ways)
+        assert time_law(pieces).duration > 0.0
+        assert time_law(pieces, look_ahead=LookAhead(blocks=3, corners_count=own_ways)).duration > 0.0
     source = SourceText.read(Path(__file__).parents[2] / "data" / "programs" / "posts" / "marlin_slicer.nc")
     printed = build_tool_path(list(interpret(source, Settings(dialect="marlin"))), (0.0,) * 6)
     assert time_law(as_printed(blend(without_blending(printed), LIMITS))).duration > 0.0
