@@ -120,6 +120,7 @@ class TreeReader:
         """Findings about a tree that holds together: followers in the chain, idle joints, links without mass."""
         heavy = self._heavy(ordered)
         chain = set(driven)
+        without: list[Joint] = []
         for index, joint in enumerate(ordered):
             at = self.places[f"joint {joint.name}"]
             if index in chain:
@@ -128,11 +129,17 @@ class TreeReader:
                     hint = f"the tool may hang on a link before it: `flange: {joint.parent}` beside `{self.key}:`"
                     self.faults.find("GS766", f"{message}; followers inside the chain are not simulated", at, hint)
                 elif joint.child not in heavy and joint.child not in self.between:
-                    self.faults.find("GS769", f"link `{joint.child}` has no mass: joint efforts leave it out", at)
+                    without.append(joint)
             elif joint.kind != "fixed":
                 follows = f", follows `{joint.mimic[0]}`" if joint.mimic is not None else ""
                 message = f"joint `{joint.name}` is not on the way to the flange{follows}: it stands at zero"
                 self.faults.find("GS768", message, at)
+        if without:
+            one = f"link `{without[0].child}` has no mass: joint efforts leave it out"
+            all_of_them = ", ".join(f"`{joint.child}`" for joint in without)
+            several = f"{len(without)} links have no mass, and joint efforts leave them out: {all_of_them}"
+            at = self.places[f"joint {without[0].name}"]
+            self.faults.find("GS769", one if len(without) == 1 else several, at)
 
     def _heavy(self, ordered: list[Joint]) -> set[str]:
         """Links that weigh anything, alone or with what is fixed to them."""

@@ -197,6 +197,11 @@ class ToolPath:
         return np.concatenate([self.start[:1, :3], self.end[:, :3]])
 
     @property
+    def orientations(self) -> Array:
+        """Orientations x y z w (n + 1, 4) at these positions."""
+        return quaternions_of_angles(np.concatenate([self.start[:1, 3:], self.end[:, 3:]]))
+
+    @property
     def length(self) -> Array:
         """Programmed length of each row (n,) in XYZ [m]."""
         straight = self.end[:, :3] - self.start[:, :3]
@@ -272,6 +277,12 @@ class ToolPath:
                 R = multiplied(X.R, rotation_from_quaternion(quaternions_of_angles(points[:, 3:])))
                 points[:, 3:] = angles_of_quaternions(quaternion_from_rotation(R))
         return replace(self, start=start, end=end, center=X.apply(self.center), normal=X.rotate(self.normal))
+
+    def at_feed(self, feed: float) -> ToolPath:
+        """A copy all of whose moves have `feed` [m/s]; rapids become lines. ValueError for what is no feed."""
+        feed = number(feed, "the feed of a path", above=0.0)
+        kind = np.where(self.kind == RAPID, LINE, self.kind).astype(np.uint8)
+        return replace(self, kind=kind, feed=np.full(len(self), feed), rotary_feed=np.zeros(len(self), dtype=bool))
 
     def append(self, other: ToolPath) -> ToolPath:
         """A path that goes on with `other`; the same as ``self + other``."""

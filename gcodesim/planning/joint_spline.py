@@ -40,10 +40,18 @@ class JointSpline:
     speeds: Array
 
     @staticmethod
-    def through(q: Array, joints: Joints) -> JointSpline:
-        """The spline through `q` (n, j), n at least 2; vectors that repeat the one before are left out."""
+    def through(q: Array, joints: Joints, along: tuple[Array, float] | None = None) -> JointSpline:
+        """The spline through `q` (n, j), n at least 2; vectors that repeat the one before are left out.
+
+        `along` are the way of the tip to each vector (n,) [m] and the greatest speed on it [m/s]; a last column of `q`
+        is that way then.
+        """
         speed = np.minimum(np.asarray(joints.speed, dtype=float), _MOST)
         acceleration = np.minimum(np.asarray(joints.acceleration, dtype=float), _MOST)
+        if along is not None:
+            way, feed = along
+            q = np.column_stack([q, way])
+            speed, acceleration = np.append(speed, feed), np.append(acceleration, _MOST)
         wait = (np.abs(np.diff(q, axis=0)) / speed).max(axis=1)
         q = q[np.concatenate([[True], wait > _STILL])]
         u = np.concatenate([[0.0], np.cumsum(wait[wait > _STILL])])

@@ -9,17 +9,16 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from gcodesim.arithmetic.matrices import multiplied
+from gcodesim.arithmetic.matrices import multiplied, norms
 from gcodesim.controllers import Controller
 from gcodesim.frames import Array, Pose, quaternion_from_rotation, rotation_from_quaternion
 from gcodesim.frozen import frozen
 from gcodesim.given import number, numbers, quaternions
-from gcodesim.kinematics.protocol import Status
 from gcodesim.motion.tool_path import ToolPath
 from gcodesim.session.misuse import MisuseError, as_misuse
 from gcodesim.session.pose_path import between
+from gcodesim.session.posture import joints_along, joints_at
 from gcodesim.shop import controller_of
-from gcodesim.units import MM
 
 if TYPE_CHECKING:
     from gcodesim.session.cell_in_hand import OpenCell
@@ -156,6 +155,7 @@ class Arm:
         positions: ArrayLike,
         orientations: ArrayLike | None = None,
         *,
+        feed: float | None = None,
         spacing: float = 5e-3,
         active: bool | None = None,
     ) -> None:
@@ -163,8 +163,9 @@ class Arm:
 
         `positions` (n, 3) [m], `orientations` (n, 4) x y z w, or one for all, or None: the tool keeps its own. Between
         two poses the tip goes straight, and turns evenly, through further poses that are at most `spacing` [m] (or as
-        many radians times 0.1 m) apart; joints go through all of them as in `follow_joints`. MisuseError, with the
-        number of the pose, where one cannot be reached, before anything moves.
+        many radians times 0.1 m) apart; joints go through all of them as in `follow_joints`, and with `feed` [m/s] the
+        tip no faster than that. MisuseError, with the number of the pose, where one cannot be reached, before anything
+        moves.
         """
         self._check_ready()
         p0, q0 = self.endeffector_pose
@@ -178,16 +179,14 @@ class Arm:
                 shape = (4,) if np.ndim(orientations) == 1 else (len(points), 4)
                 wanted = quaternions(orientations, shape, "the orientation of a pose")
             spacing = number(spacing, "the spacing of poses [m]", above=0.0)
+            feed = None if feed is None else number(feed, "the feed of a way [m/s]", above=0.0)
         ends, turns = np.vstack([p0, points]), np.broadcast_to(wanted, (len(points), 4))
         poses, leads_to = between(ends, np.vstack([q0, turns]), spacing)
         shop = self._machine.shop
         X_FT, X_BW = self._X_FT().inverse().matrix, shop.X_WB.inverse().matrix
-        q, status = shop.kinematics.inverse(multiplied(X_BW, poses, X_FT), self._machine.q)
-        bad = np.flatnonzero((status == Status.REACH) | (status == Status.LIMIT))
-        if len(bad):
-            why = "is out of reach" if status[bad[0]] == Status.REACH else "needs a joint beyond its limit"
-            raise MisuseError(f"`{self.name}` cannot go there: the way to pose {leads_to[bad[0]]} {why}")
-        self._follow_joints(q, active)
+        q = joints_along(self.name, shop.kinematics, multiplied(X_BW, poses, X_FT), leads_to, self._machine.q)
+        way = np.cumsum(norms(np.diff(poses[:, :3, 3], axis=0, prepend=p0[None])))
+        self._follow_joints(q, active, None if feed is None else (way, feed))
 
     def move_to(self, position: ArrayLike, orientation: ArrayLike | None = None) -> None:
         """Bring the tip to a pose in the world by a joint move (PTP), and wait; as `set_endeffector_pose` otherwise."""
@@ -249,18 +248,14 @@ class Arm:
             R = rotation_from_quaternion(turned)
         X_WT = Pose(goal, R)
         X_BF = shop.X_WB.inverse() @ X_WT @ self._X_FT().inverse()
-        q, status = shop.kinematics.inverse(X_BF.matrix[None], held)
-        if status[0] in (Status.REACH, Status.LIMIT):
-            why = "is out of reach" if status[0] == Status.REACH else "needs a joint beyond its limit"
-            place = ", ".join(f"{value / MM:.1f}" for value in X_WT.p)
-            raise MisuseError(f"`{self.name}` cannot go there: the tip at ({place}) mm in the world {why}")
-        self._aim(q[0].copy())
+        self._aim(joints_at(self.name, shop.kinematics, X_BF.matrix, X_WT, held))
 
     def run(self, path: ToolPath, frame: str = "G54") -> None:
         """Run the moves of a path with the tip of the tool, from where the robot stands to the end, as a program does.
 
-        Points are those of the work system `frame`. The tool is held as the cell says (`orientation:`). MisuseError
-        while the robot moves, for a path without moves, or where it is switched on and no tool is held.
+        Points are those of `frame`: a work system, `world`, or another frame of the cell that stands still. The tool is
+        held as the cell says (`orientation:`). MisuseError while the robot moves, for an unknown frame, for a path
+        without moves, or where it is switched on and no tool is held.
         """
         self._cell._run_path(self._machine, path, frame, None)
 
@@ -283,7 +278,10 @@ class Arm:
         self._cell._wait_for(self._machine, self._machine.move(target))
         self._machine.stand_at(target)
 
-    def _follow_joints(self, vectors: Array, active: bool | None) -> None:
-        """Go through joint vectors (n, j) without a stop, from where the robot stands, and wait until that is done."""
-        self._cell._wait_for(self._machine, self._machine.follow(vectors), active)
+    def _follow_joints(self, vectors: Array, active: bool | None, along: tuple[Array, float] | None = None) -> None:
+        """Go through joint vectors (n, j) without a stop, from where the robot stands, and wait until that is done.
+
+        `along` as of `MovedMachine.follow`.
+        """
+        self._cell._wait_for(self._machine, self._machine.follow(vectors, along), active)
         self._machine.stand_at(vectors[-1])

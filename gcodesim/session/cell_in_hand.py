@@ -20,6 +20,7 @@ from gcodesim.cell.loader import load_cell
 from gcodesim.diagnostics import Diagnostic, Findings, Severity
 from gcodesim.frames import Array, rotation_from_quaternion
 from gcodesim.jobs.job import Job, Options
+from gcodesim.jobs.switching import switching_findings
 from gcodesim.log.shapes import DrawnLine
 from gcodesim.motion.joining import standing_until
 from gcodesim.motion.tool_path import ToolPath
@@ -32,6 +33,7 @@ from gcodesim.session import caller
 from gcodesim.session.arm import Arm
 from gcodesim.session.machine import MovedMachine
 from gcodesim.session.misuse import MisuseError, as_misuse
+from gcodesim.session.path_frame import path_frame_of
 from gcodesim.session.run_thread import RunThread
 from gcodesim.session.sensor_in_hand import HandSensor, Present, looking
 from gcodesim.session.tool_in_hand import HandTool
@@ -197,16 +199,16 @@ class OpenCell:
     def draw(
         self, path: ToolPath | ArrayLike, *, color: Sequence[float] = (0.85, 0.1, 0.6), frame: str | None = None
     ) -> None:
-        """Draw a path in the log, from now on: a `ToolPath` in a work system (G54), or points (n, 3) [m] in the world.
+        """Draw a path in the log, from now on: a `ToolPath` in `frame` (G54), or points (n, 3) [m] in the world.
 
-        `color` is red, green and blue from 0 to 1. MisuseError for what is no line, and for an unknown work system.
+        `color` is red, green and blue from 0 to 1. MisuseError for what is no line, and for an unknown `frame`.
         """
         if isinstance(path, ToolPath):
             points = path.positions if len(path) else np.zeros((0, 3))
             X_WM = self._shop.X_WB @ self._shop.X_BM
-            points = X_WM.apply(self._shop.placement.work_offsets[self._system(frame or "G54")].apply(points))
+            points = X_WM.apply(path_frame_of(self._shop, frame or "G54").X_MP.apply(points))
         elif frame is not None:
-            raise MisuseError("points are those of the world; only a `ToolPath` is drawn in a work system")
+            raise MisuseError("points are those of the world; only a `ToolPath` is drawn in a frame")
         else:
             with as_misuse():
                 points = given.numbers(path, (None, 3), "a drawing")
@@ -240,13 +242,6 @@ class OpenCell:
         drawn = self._job.drawings or ()
         line = DrawnLine(id=f"drawing {len(drawn)}", points=points.copy(), color=(red, green, blue, 1.0))
         self._job.drawings = (*drawn, line)
-
-    def _system(self, frame: str) -> int:
-        """The number of a work system by name; MisuseError for one that the cell does not have."""
-        names = {f"G{54 + k}" if k < 6 else f"G59.{k - 5}": k + 1 for k in range(9)}
-        if not isinstance(frame, str) or names.get(frame) not in self._shop.placement.work_offsets:
-            raise MisuseError(f"there is no work system `{frame}`; use G54 to G59.3")
-        return names[frame]
 
     @property
     def time(self) -> float:
@@ -296,6 +291,7 @@ class OpenCell:
                     self._pass(1)  # so that there is a log of a cell in which nothing was done
                 self._flush()
             self._tell_of_motion()
+            self._tell_of_switching()
         finally:
             self._closed = True
             self._run.end(interrupted=interrupted)
@@ -416,6 +412,12 @@ class OpenCell:
             for finding in machine.found():
                 self._job.findings.add(finding, key=(finding.code, finding.span, finding.bodies))
 
+    def _tell_of_switching(self) -> None:
+        """Report tools that were switched on for nothing, or never, along all that was done."""
+        for machine in self._machines:
+            if (plan := machine.job.plan) is not None:
+                self._job.findings.extend(switching_findings(plan.path, machine.shop))
+
     def _run_path(self, own: MovedMachine, path: ToolPath, frame: str, active: bool | None) -> None:
         """Run moves as a program would, from where the machine stands, with the tool that it holds."""
         self._check_open()
@@ -425,8 +427,8 @@ class OpenCell:
             raise MisuseError("the path has no moves")
         own.check_rest()
         self._flush()
-        system = self._system(frame)
-        leg = own.leg_along(path, system, active, self._borne(own, system))
+        given_in = path_frame_of(own.shop, frame)
+        leg = own.leg_along(path, given_in, active, self._borne(own, given_in.system))
         for machine in self._machines:
             if machine is not own:
                 machine.wait_for(machine.towards_target(self._steps_of(leg)))

@@ -31,9 +31,11 @@ if TYPE_CHECKING:
     from gcodesim.jobs.job import Job
     from gcodesim.planning import Plan
     from gcodesim.planning.borne_work import BorneWork
+    from gcodesim.session.path_frame import PathFrame
     from gcodesim.shop import Shop
 
 _AT_ONCE: Final = 1e-9  # [s] within which what is there at the beginning of a way is met
+_ROUNDED_OFF: Final = 1e-4  # [rad, m] that a smooth way between vectors at a limit may swing beyond it
 _UNLIMITED: Final = 1e6  # [rad/s, m/s, and per s] where a description names no limit
 
 
@@ -126,18 +128,22 @@ class MovedMachine:
             move, _ = move.within(loads_of(self.shop), self.state.tool)
         return self._sampled(move.at, move.duration, target)
 
-    def follow(self, vectors: Array) -> Array:
+    def follow(self, vectors: Array, along: tuple[Array, float] | None = None) -> Array:
         """Steps through joint vectors (n, j) without a stop, from rest to rest.
 
-        MisuseError while it moves, and where the smooth way goes beyond a limit.
+        `along`: how far the tip has come at each of them (n,) [m], and how fast it may be [m/s]. MisuseError while it
+        moves, and where the smooth way goes beyond a limit.
         """
         self.check_rest()
         joints = self.shop.kinematics.joints
-        spline = JointSpline.through(np.vstack([self.q, vectors]), joints)
-        table = self._sampled(spline.at, spline.duration, vectors[-1])
-        for k in np.flatnonzero(((table < joints.lower) | (table > joints.upper)).any(axis=0)):
+        if along is not None:
+            along = np.concatenate([[0.0], along[0]]), along[1]
+        spline = JointSpline.through(np.vstack([self.q, vectors]), joints, along)
+        table = self._sampled(lambda t: spline.at(t)[:, : len(self.q)], spline.duration, vectors[-1])
+        kept = np.clip(table, joints.lower, joints.upper)
+        for k in np.flatnonzero((np.abs(kept - table) > _ROUNDED_OFF).any(axis=0)):
             raise MisuseError(f"the smooth way through these vectors takes {joints.names[k]} beyond its limit")
-        return table
+        return kept
 
     def _sampled(self, at: Callable[[Array], Array], duration: float, end: Array) -> Array:
         steps = max(int(np.ceil(duration / self._dt - 1e-9)), 1)
@@ -168,22 +174,22 @@ class MovedMachine:
     def _plan_of(self, stretches: Sequence[Stretched]) -> Plan:
         return plan_of(stretches, self.shop, self._posing, self._dt, standing_of(self.shop.cell, self.shop.channel))
 
-    def leg_along(self, path: ToolPath, system: int, active: bool | None, borne: BorneWork | None) -> Plan:
-        """The plan of moves in a work system, as of a program, from where the machine stands, with the tool in hand.
+    def leg_along(self, path: ToolPath, given_in: PathFrame, active: bool | None, borne: BorneWork | None) -> Plan:
+        """The plan of moves in a frame, as of a program, from where the machine stands, with the tool in hand.
 
         `active`: whether the process is on all along; None: as the path says, or as it is. `borne` is where work
         systems are that other machines bear. MisuseError where it would be on without a tool.
         """
         shop, tool = self.shop, self.shop.tool(self.state.tool)
         length = 0.0 if tool is None else tool.true_length
-        state = replace(self.state, system=system, offset=(0.0, 0.0, length, 0.0, 0.0, 0.0), word="G1")
+        state = replace(self.state, system=given_in.system, offset=(0.0, 0.0, length, 0.0, 0.0, 0.0), word="G1")
         n = len(path)
         zeros = np.zeros(n, dtype=np.int32)
         on = path.active | self.active if active is None else np.full(n, active)
         if on.any() and tool is None:
             raise MisuseError("the path is to be run with the process on, but the robot holds no tool")
         own = replace(
-            path.transform(shop.placement.work_offsets[system]),
+            path.transform(given_in.X_MP),
             active=on,
             state=zeros,
             states=(state,),

@@ -10,6 +10,8 @@ from dataclasses import field, replace
 from functools import cached_property
 from typing import Final
 
+import numpy as np
+
 from gcodesim.declarations.file_kind import File, FileValue
 from gcodesim.declarations.keys import key
 from gcodesim.declarations.mesh_shape import LENGTH_UNIT, MeshShape, mesh_shape
@@ -58,6 +60,12 @@ class OwnBody:
     tip: str | None = key(
         _LINK, "the link of the URDF that is the tip of the tool, its Z pointing out", default=None, quiet=True
     )
+    tip_axis: str = key(
+        Choice(("X", "Y", "Z", "-X", "-Y", "-Z")),
+        "the axis of the link `tip` that points out",
+        default="Z",
+        quiet=True,
+    )
     opens: str = key(
         Choice(("upper", "lower")),
         "at which end of the travel of its joints a gripper is open",
@@ -69,6 +77,11 @@ class OwnBody:
 
     def checked(self, to: Reading, path: Path) -> OwnBody | Unread:
         """Reads the file."""
+        if self.tip is None and self.tip_axis != "Z":
+            hint = "name the link as `tip`; `tcp` of the tool turns a tip that is no link"
+            return to.fault(
+                "GS719", to.key((*path, "tip_axis")), "`tip_axis` is that of a link, and none is named", hint
+            )
         if (self.mesh is None) == (self.urdf is None):
             if self.mesh is None:
                 return to.fault("GS705", to.span(path), "the body has neither `mesh` nor `urdf`", "give one of them")
@@ -120,7 +133,10 @@ class OwnBody:
     @cached_property
     def X_FT(self) -> Pose | None:
         """The link `tip` seen from the flange, wide open; None if none is named."""
-        return None if self.tip is None else self._links(1.0)[self.tip]
+        if self.tip is None:
+            return None
+        X_FL, X_LT = self._links(1.0)[self.tip], Pose(np.zeros(3), _turned_to(self.tip_axis))
+        return X_FL @ X_LT
 
     @cached_property
     def inertials(self) -> list[tuple[Inertial, Array]]:
@@ -148,6 +164,13 @@ class OwnBody:
         links = posed_links(self.chain, {name: shut + opening * (wide - shut) for name, (shut, wide) in ends.items()})
         X_FR = self._X_FB @ links[self.connector or self.chain.links[0].name].inverse()
         return {name: X_FR @ X_RL for name, X_RL in links.items()}
+
+
+def _turned_to(axis: str) -> Array:
+    """The axes (3, 3) of a tip, as columns, whose Z is `axis` of a link: its X is that of the link, or Y is."""
+    z = (-1.0 if axis.startswith("-") else 1.0) * np.eye(3)["XYZ".index(axis[-1])]
+    x = np.cross((0.0, 1.0, 0.0), z) if axis[-1] == "X" else np.array([1.0, 0.0, 0.0])
+    return np.column_stack([x, np.cross(z, x), z])
 
 
 def _of_steel(placed: Placed) -> list[tuple[Inertial, Array]]:

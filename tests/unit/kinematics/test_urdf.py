@@ -128,6 +128,13 @@ def test_moving_link_without_mass_is_noted_unless_something_fixed_to_it_has_one(
     assert codes(findings) == ["GS771", *expected]
 
 
+def test_links_without_mass_are_told_of_together(tmp_path):
+    second = JOINT.replace('"j"', '"k"').replace('"b"', '"c"').replace('"a"', '"b"')
+    _, findings = read(tmp_path, robot(LINKS, '<link name="c"/>', JOINT, second))
+    (told,) = [finding for finding in findings if finding.code == "GS769"]
+    assert told.message == "2 links have no mass, and joint efforts leave them out: `b`, `c`"
+
+
 BROKEN = {
     "not closed": ("<robot>\n <link name='a'>\n</robot>", "GS760", 3),
     "empty": ("", "GS760", 1),

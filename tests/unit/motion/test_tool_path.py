@@ -11,6 +11,7 @@ from gcodesim import build_box_path, circular_interpolation, linear_interpolatio
 from gcodesim.canon import ArcFeed, Dwell, LinearFeed
 from gcodesim.diagnostics import Span
 from gcodesim.motion import ToolPath, build_tool_path
+from gcodesim.motion.tool_path import LINE, RAPID
 
 QUARTER_Z = (0.0, 0.0, sqrt(0.5), sqrt(0.5))
 
@@ -148,3 +149,23 @@ def test_a_path_goes_on_with_a_path():
         with pytest.raises(TypeError):
             call()
     assert len(ToolPath.from_points([])) == 0
+
+
+def test_all_of_a_path_gets_one_feed() -> None:
+    """Rapids become lines, arcs stay what they are, and the path itself is left as it was."""
+    rapids = ToolPath.from_points(np.array([[0.0, 0.0, 0.0], [0.1, 0.0, 0.0], [0.1, 0.1, 0.0]]))
+    fed = rapids.at_feed(0.05)
+
+    assert fed.kind.tolist() == [LINE, LINE] and fed.feed.tolist() == [0.05, 0.05]
+    assert rapids.kind.tolist() == [RAPID, RAPID] and np.isinf(rapids.feed).all()
+    assert fed.positions.tolist() == rapids.positions.tolist()
+    with pytest.raises(ValueError, match="the feed of a path"):
+        rapids.at_feed(np.inf)
+
+
+def test_orientations_of_a_path_are_those_it_was_made_of() -> None:
+    """Besides the sign, of which a quaternion has two."""
+    turns = np.array([[0.0, 0.0, 0.0, 1.0], [0.0, 0.6, 0.0, 0.8], [0.5, 0.5, 0.5, 0.5]])
+    path = ToolPath.from_points(np.eye(3), turns)
+
+    assert np.abs((path.orientations * turns).sum(axis=1)) == pytest.approx(np.ones(3), abs=1e-12)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -11,6 +12,8 @@ import numpy as np
 import pytest
 
 import gcodesim
+from gcodesim.executor.record import StepRecord
+from gcodesim.frames import quaternion_from_rotation
 from gcodesim.log.summary import summary
 from gcodesim.session import MisuseError, OpenCell, cell_in_hand
 
@@ -219,7 +222,10 @@ def _moving(cell: OpenCell) -> None:
         (lambda cell: cell.robot().set_endeffector_pose([0.6, np.inf, 0.4]), "finite numbers"),
         (lambda cell: cell.robot().set_endeffector_pose([0.6, 0.0]), "has 3 numbers"),
         (lambda cell: cell.robot().set_endeffector_pose([0.6, 0.0, 0.4], [0.0, 0.0, 0.0, 0.0]), "not all 0"),
-        (lambda cell: cell.robot().run(SLOT, frame="G60"), "there is no work system `G60`"),
+        (
+            lambda cell: cell.robot().run(SLOT, frame="G60"),
+            "there is no frame `G60`; use G54 to G59.3, `world`, `table`",
+        ),
         (_moving, "the robot is moving"),
         (lambda cell: (_held(cell), cell.tool(1).extrude(SLOT)), "does not extrude"),
         (lambda cell: cell.results, "after the `with` statement"),
@@ -279,8 +285,112 @@ def test_poses_are_followed_with_their_orientations(tmp_path: Path) -> None:
         tips = (cell._shop.X_WB.matrix @ np.concatenate(seen))[:, :3, 3]
         first = tips[tips[:, 1] < 0.09]
         assert np.abs(first[:, [0, 2]] - [0.6, 0.45]).max() < 1e-4
-        with pytest.raises(MisuseError, match="the way to pose 1 is out of reach"):
+        with pytest.raises(MisuseError, match="on the way to pose 1, out of reach: wrist centre"):
             arm.follow([[0.6, 0.0, 0.5], [3.0, 0.0, 0.5]])
+
+
+def _tips(cell: OpenCell) -> list[np.ndarray[Any, Any]]:
+    """Where the tip is in the world after each step from now on, one array for each window."""
+    seen: list[np.ndarray[Any, Any]] = []
+    cell.time  # noqa: B018  (runs what waits)
+
+    def see(record: StepRecord) -> None:
+        seen.append((cell._shop.X_WB.matrix @ record.window.tip)[:, :3, 3])
+        cell._first._see(record)
+
+    cell._job.seen = see
+    return seen
+
+
+def test_poses_are_followed_at_a_feed(tmp_path: Path) -> None:
+    """The tip is never faster, and but for the ends, where the joints have to gain speed, never slower."""
+    with gcodesim.open_cell(_cell(tmp_path)) as cell:
+        arm = cell.robot()
+        cell.tool(1).couple(arm)
+        arm.move_to([0.6, -0.1, 0.45], [1.0, 0.0, 0.0, 0.0])
+        seen, begin = _tips(cell), cell.time
+        circle = gcodesim.circular_interpolation([0.6, -0.1, 0.45], [0.6, 0.1, 0.45], 0.1, 40)
+        arm.follow(circle.positions, [1.0, 0.0, 0.0, 0.0], feed=0.05)
+        duration = cell.time - begin
+        tips = np.concatenate(seen)
+    speed = np.linalg.norm(np.diff(tips, axis=0), axis=1) / (cell._step_ns * 1e-9)
+    inner = speed[25:-25]  # 0.1 s at each end
+
+    assert duration == pytest.approx(0.1 * np.pi / 0.05, rel=0.01)
+    assert inner.min() > 0.0495 and speed.max() < 0.0505
+    assert np.abs(np.hypot(tips[:, 0] - 0.6, tips[:, 1]) - 0.1).max() < 1e-4
+
+
+def test_a_path_is_given_in_the_world_or_in_a_frame_of_the_cell(tmp_path: Path) -> None:
+    """All three are the same way; a work system that lies elsewhere says only how the tool is held."""
+    (tmp_path / "cell.yaml").write_text(CELL.replace("G54: {in: table}", "G54: {in: table, xyz: [0, 0, 50]}"))
+    in_world = gcodesim.ToolPath.from_points([[0.6, 0.0, 0.4], [0.65, 0.03, 0.42]], feed=0.05)
+    ends = []
+    for frame, path in (
+        ("world", in_world),
+        ("table", in_world.translate([-0.6, 0.0, -0.3])),
+        ("G54", in_world.translate([-0.6, 0.0, -0.35])),
+    ):
+        with gcodesim.open_cell(tmp_path / "cell.yaml") as cell:
+            arm = cell.robot()
+            cell.tool(1).couple(arm)
+            arm.run(path, frame=frame)
+            cell.draw(path, frame=frame)
+            drawn = cell._job.drawings
+            assert drawn and drawn[-1].points == pytest.approx(in_world.positions, abs=1e-12)
+            position, orientation = arm.endeffector_pose
+            ends.append([*position, *np.abs(orientation)])
+
+    assert ends[0][:3] == pytest.approx([0.65, 0.03, 0.42], abs=1e-9)
+    assert ends[1] == pytest.approx(ends[0], abs=1e-9) and ends[2] == pytest.approx(ends[0], abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("cell_text", "active", "feed", "code"),
+    [
+        (CELL.replace("stock:", "x-stock:"), True, 0.05, "GS508"),  # nothing to lay it on
+        (CELL, True, np.inf, "GS539"),  # in rapids
+        (CELL, False, 0.05, "GS542"),  # never
+        (CELL, True, 0.05, None),
+    ],
+)
+def test_a_tool_that_is_on_for_nothing_or_never_is_told(
+    tmp_path: Path, cell_text: str, active: bool, feed: float, code: str | None
+) -> None:
+    (tmp_path / "cell.yaml").write_text(cell_text)
+    path = gcodesim.ToolPath.from_points([[0.002, -0.008, 0.003], [0.018, -0.008, 0.003]], feed=feed)
+    with gcodesim.open_cell(tmp_path / "cell.yaml", out=tmp_path / "out") as cell:
+        arm, head = cell.robot(), cell.tool(2)
+        head.couple(arm)
+        if active:
+            head.extrude(path)
+        else:
+            arm.run(path)
+    told = json.loads((tmp_path / "out" / "results.json").read_text())["findings"]
+
+    found = [finding for finding in told if finding["code"] in ("GS508", "GS539", "GS542")]
+    assert [finding["code"] for finding in found] == ([code] if code else [])
+    assert all(finding["file"] == Path(__file__).name and finding["line"] > 0 for finding in found)
+
+
+def test_a_way_that_another_posture_can_go_is_told_with_that_posture(tmp_path: Path) -> None:
+    """Joint 4 would have to turn beyond its limit; with the wrist the other way round it does not, as the hint says."""
+    with gcodesim.open_cell(_cell(tmp_path)) as cell:
+        arm = cell.robot()
+        begin = np.array([0.0, -1.5, 1.5, 3.0, 0.8, 0.0])
+        end = begin + np.array([0.0, 0.0, 0.0, 0.4, 0.0, 0.0])
+        X_BF = cell._shop.kinematics.forward(end[None])[0]
+        arm.move_joints(begin)
+        goal = X_BF[:3, 3], quaternion_from_rotation(X_BF[:3, :3])
+        with pytest.raises(MisuseError, match=r"joint_4 would go to .* begins in another posture") as told:
+            arm.follow([goal[0]], goal[1])
+        values = re.search(r"move_joints\(\[(.*)\]\)", str(told.value))
+        assert values is not None
+        arm.move_joints([float(value) for value in values[1].split(",")])
+        arm.follow([goal[0]], goal[1])
+        position, orientation = arm.endeffector_pose
+        assert position == pytest.approx(goal[0], abs=1e-6)
+        assert abs(float(orientation @ goal[1])) == pytest.approx(1.0, abs=1e-9)
 
 
 def test_drawings_are_in_the_log_from_their_time_on(tmp_path: Path) -> None:
@@ -298,7 +408,7 @@ def test_drawings_are_in_the_log_from_their_time_on(tmp_path: Path) -> None:
         for wrong, said in (([[0.0, 0.0, 1.0]], "two points"), ([[0.0, 0.0, np.nan]] * 2, "finite")):
             with pytest.raises(MisuseError, match=said):
                 cell.draw(wrong)
-        with pytest.raises(MisuseError, match="no work system `G99`"):
+        with pytest.raises(MisuseError, match="no frame `G99`"):
             cell.draw(SLOT, frame="G99")
     counts = [len(update.entities) for _, update in read_messages(tmp_path / "out" / "run.mcap", "/scene/drawn")]
     assert counts == [1, 5, 0]

@@ -46,7 +46,7 @@ CASES: list[tuple[Callable[[OpenCell], Any], str]] = [
     (lambda cell: cell.robot().follow([]), "rows of 3 numbers"),
     (lambda cell: cell.robot().move_to([0.6, 0, 0.8], "x"), "the orientation of a pose"),  # type: ignore[arg-type]
     (lambda cell: cell.robot().run([[0, 0, 0]]), "`gcodesim.ToolPath`; list is given"),  # type: ignore[arg-type]
-    (lambda cell: cell.robot().run(PATH, 3), "no work system `3`"),  # type: ignore[arg-type]
+    (lambda cell: cell.robot().run(PATH, 3), "no frame `3`"),  # type: ignore[arg-type]
     (lambda cell: setattr(cell.robot(), "controller", None), "one of `gcodesim.controllers`; NoneType"),
     (lambda cell: cell.robot().tool.spin("x"), "the speed of a spindle"),  # type: ignore[union-attr, arg-type]
     (lambda cell: cell.robot().tool.apply_tcp_force("abc"), "a force"),  # type: ignore[union-attr, arg-type]

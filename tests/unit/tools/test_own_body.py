@@ -117,6 +117,7 @@ def test_a_mesh_hangs_where_the_cell_says_and_weighs_as_steel(folder: Path) -> N
         ("{urdf: jaws.urdf, unit: mm}", "GS719"),
         ("{urdf: jaws.urdf, tip: tipp}", "GS712"),
         ("{urdf: jaws.urdf, connector: base}", "GS712"),
+        ("{urdf: jaws.urdf, tip_axis: -Z}", "GS719"),
         ("{urdf: head.stl}", "GS760"),
     ],
 )
@@ -127,6 +128,19 @@ def test_what_is_wrong_with_a_body_is_a_finding(folder: Path, body: str, code: s
 def test_a_tip_is_given_once(folder: Path) -> None:
     twice = GRIPPER.replace("body:", "tcp: {xyz: [0, 0, 100]}, body:")
     assert "GS720" in _codes(folder, twice)
+
+
+@pytest.mark.parametrize("axis", ["X", "Y", "Z", "-X", "-Y", "-Z"])
+def test_the_tip_points_along_the_axis_of_its_link_that_the_cell_names(folder: Path, axis: str) -> None:
+    """T stays where the link is, right-handed, and shares an axis with it besides."""
+    tool = _tool(folder, GRIPPER.replace("tip: tip", f"tip: tip, tip_axis: {axis}"))
+    expected = np.zeros(3)
+    expected["XYZ".index(axis[-1])] = -1.0 if axis.startswith("-") else 1.0
+
+    assert tool.X_FT.p == pytest.approx([0.0, 0.0, 0.12])
+    assert tool.X_FT.R[:, 2].tolist() == expected.tolist()
+    assert np.linalg.det(tool.X_FT.R) == pytest.approx(1.0)
+    assert tool.X_FT.R[0, 0] == 1.0 or tool.X_FT.R[1, 1] == 1.0
 
 
 def _run(folder: Path, tool: str, program: str, world: str = "kinematic", more: str = CODES + PARTS) -> Results:
