@@ -5,7 +5,7 @@ passes joints that are tangent or nearly so and stands at all others; G64 P puts
 arc into corners of lines and arcs, and where none fits (rotary axes, helices, arcs
 under a narrow angle) the end of one block overlaps with the start of the next. Where
 the path turns back it stands in all modes. With P or Q, chords within that distance
-of one line become one line.
+of one line become one line, and arcs of the XY plane that are as flat become chords (`ARC_FEED` in emccanon.cc).
 
 In G64 the last block before the queue runs empty (the end, a dwell, M8) has half of its acceleration in both ramps,
 even one that stands alone: LinuxCNC 2.9 halves it for every segment that ends in "blend", also where nothing follows
@@ -15,6 +15,7 @@ overlap (change 4220 of July 2026); `G61` gives a lone block all of its accelera
 
 from __future__ import annotations
 
+import math
 from typing import Final
 
 import numpy as np
@@ -77,7 +78,12 @@ def blend(
         curves.kind[own] = OWN
         curves.length[own] = own_time[own]
     kept = np.flatnonzero((curves.length > 4.0 * LEAST) | (curves.kind == OWN))
-    chains = _chains(path, kept)
+    flat = _flat_arcs(path, curves)
+    middle = np.zeros((len(path), 3))
+    if flat.any():
+        middle[flat] = curves.points_at(np.flatnonzero(flat), np.full(np.count_nonzero(flat), 0.5))
+        _straighten(curves, np.flatnonzero(flat))
+    chains = _chains(path, kept, flat, middle)
     row_first, row_last = kept[chains], kept[np.append(chains[1:], len(kept))[: len(chains)] - 1]
     curves = _merged(curves, path, row_first, row_last)
     stop = _stops(path, row_last)
@@ -93,16 +99,43 @@ def blend(
     )
 
 
-def _chains(path: ToolPath, kept: NDArray[np.intp]) -> NDArray[np.intp]:
-    """Positions within `kept` where a new curve begins; rows in between belong to the curve before (merged chords)."""
+def _flat_arcs(path: ToolPath, curves: Curves) -> NDArray[np.bool_]:
+    """Which rows (n,) are arcs of the XY plane that leave their chord by less than what chords are merged by."""
+    flat: NDArray[np.bool_] = (
+        (curves.kind == ROUND)
+        & (path.mode == BLEND)
+        & (path.naive > 0.0)
+        & (np.abs(path.sweep) <= math.pi)
+        & (np.abs(path.normal[:, 2]) > 1.0 - 1e-12)
+        & _equal(path.start[:, 3:], path.end[:, 3:])
+    )
+    rows = np.flatnonzero(flat)
+    if len(rows):
+        flat[rows] = norms(curves.radial[rows]) * (1.0 - cos(0.5 * path.sweep[rows])) < path.naive[rows]
+    return flat
+
+
+def _straighten(curves: Curves, rows: NDArray[np.intp]) -> None:
+    """Turn curves into lines from their starts to their ends."""
+    curves.kind[rows] = STRAIGHT
+    curves.length[rows] = norms(curves.end[rows, :3] - curves.start[rows, :3])
+    for column in (curves.center, curves.radial, curves.sideways, curves.lift, curves.sweep, curves.growth):
+        column[rows] = 0.0
+
+
+def _chains(path: ToolPath, kept: NDArray[np.intp], flat: NDArray[np.bool_], middle: Array) -> NDArray[np.intp]:
+    """Positions within `kept` where a new curve begins; rows in between belong to the curve before (merged chords).
+
+    Rows (n,) that are `flat` are arcs that go as chords, past their `middle` (n, 3) [m].
+    """
     n = len(kept)
     if n == 0:
         return np.zeros(0, dtype=np.intp)
     rows, before = kept[1:], kept[:-1]
-    straight = _equal(path.start[:, 3:], path.end[:, 3:])
+    straight = ((path.kind == LINE) | flat) & _equal(path.start[:, 3:], path.end[:, 3:])
     same = (
-        (path.kind[rows] == LINE)  # rapids, arcs and moves with a law of their own stay as they are
-        & (path.kind[before] == LINE)
+        straight[rows]  # rapids, other arcs and moves with a law of their own stay as they are
+        & straight[before]
         & (path.mode[rows] == BLEND)
         & (path.mode[before] == BLEND)
         & (path.naive[rows] > 0.0)
@@ -112,14 +145,19 @@ def _chains(path: ToolPath, kept: NDArray[np.intp]) -> NDArray[np.intp]:
         & (path.active[rows] == path.active[before])
         & ~_stops_between(path, before, rows)
         & ~_outputs_between(path, before, rows)
-        & straight[rows]
-        & straight[before]
         & _equal(path.start.take(rows, axis=0), path.end.take(before, axis=0))
     )
     if not same.any():
         return np.arange(n)
     joined = np.concatenate([[False], same])
-    first = merge_chords(path.start.take(kept, axis=0), path.end.take(kept, axis=0), joined, path.naive[kept])
+    first = merge_chords(
+        path.start.take(kept, axis=0),
+        path.end.take(kept, axis=0),
+        joined,
+        path.naive[kept],
+        flat[kept],
+        middle.take(kept, axis=0),
+    )
     heads: NDArray[np.intp] = np.flatnonzero(first == np.arange(n))
     return heads
 
@@ -244,7 +282,18 @@ def _join(
         duration=np.zeros(n),
     )
     tolerance = path.tolerance[row_last]
-    corners(open_end | apart, blended, turning, speed, tolerance, tangents, limits.arrays, curves.arrays, joints)
+    corners(
+        open_end | apart,
+        blended,
+        turning,
+        speed,
+        np.minimum(acceleration, 1e30),
+        tolerance,
+        tangents,
+        limits.arrays,
+        curves.arrays,
+        joints,
+    )
     overlapped = joints.kind == OVERLAPPED
     beside = overlapped.copy()
     beside[1:] |= overlapped[:-1]

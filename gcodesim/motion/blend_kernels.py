@@ -23,7 +23,8 @@ NORMAL_SHARE: Final = math.sqrt(3.0) / 2.0
 # Share along the path where the normal share is used up.
 TANGENTIAL_SHARE: Final = 0.5
 # A step of direction is passed at the speed where it asks for this share of the acceleration within one cycle;
-# the blocks on both sides then have to make do with the rest.
+# the blocks on both sides then have to make do with the rest. The cycle may also speed up in the next block by all that
+# it has, and beside an arc only `TANGENTIAL_SHARE` of the acceleration is there for it (`tpSetupTangent` in tp.c).
 KINK_SHARE: Final = 0.1
 CYCLE: Final = 1e-3  # [s]
 # The last block before the queue runs empty in G64, and blocks that overlap, use this share, in both their ramps.
@@ -81,13 +82,23 @@ class JointColumns(NamedTuple):
     duration: Column
 
 
+@kernel(inlined=True)
+def off_chord(point: Column, begin: Column, m0: float, m1: float, m2: float, square: float) -> float:
+    """Square of the distance of `point` (3,) from the line that leads from `begin` (3,) by m, of that `square`."""
+    p0, p1, p2 = point[0] - begin[0], point[1] - begin[1], point[2] - begin[2]
+    t = min(max((m0 * p0 + m1 * p1 + m2 * p2) / square, 0.0), 1.0)
+    d0, d1, d2 = p0 - t * m0, p1 - t * m1, p2 - t * m2
+    off: float = d0 * d0 + d1 * d1 + d2 * d2
+    return off
+
+
 @kernel(short=True)
-def merge_chords(start: Column, end: Column, joined: Column, tolerance: Column) -> Column:
+def merge_chords(start: Column, end: Column, joined: Column, tolerance: Column, flat: Column, middle: Column) -> Column:
     """For each row (n,) the first row of the chain it belongs to.
 
     Row i may continue the chain when `joined[i]`; it does while all points
     passed by lie within `tolerance` [m] of the straight line from the chain's
-    start to the new end.
+    start to the new end: ends of rows, and the `middle` (n, 3) of arcs, which are `flat`.
     """
     n = len(joined)
     first = np.arange(n)
@@ -103,13 +114,10 @@ def merge_chords(start: Column, end: Column, joined: Column, tolerance: Column) 
             continue
         limit = tolerance[i] * tolerance[i]
         fits = True
-        for j in range(i - 1, head - 1, -1):
-            p0 = end[j, 0] - start[head, 0]
-            p1 = end[j, 1] - start[head, 1]
-            p2 = end[j, 2] - start[head, 2]
-            t = min(max((m0 * p0 + m1 * p1 + m2 * p2) / square, 0.0), 1.0)
-            d0, d1, d2 = p0 - t * m0, p1 - t * m1, p2 - t * m2
-            if d0 * d0 + d1 * d1 + d2 * d2 > limit:
+        for j in range(i, head - 1, -1):
+            if (j < i and off_chord(end[j], start[head], m0, m1, m2, square) > limit) or (
+                flat[j] and off_chord(middle[j], start[head], m0, m1, m2, square) > limit
+            ):
                 fits = False
                 break
         if fits:
@@ -302,6 +310,7 @@ def corners(
     blended: Column,
     turning: Column,
     speed: Column,
+    acceleration: Column,
     tolerance: Column,
     tangents: Tangents,
     axis_limits: Column,
@@ -310,7 +319,7 @@ def corners(
 ) -> None:
     """Decide what happens at the end of every curve but the last; results go into `joints`.
 
-    `turning` is set where a rotary axis moves, `speed` is what each curve may reach.
+    `turning` is set where a rotary axis moves, `speed` and `acceleration` are what each curve may reach.
     """
     room = np.empty((2, 3))
     for i in range(len(stop) - 1):
@@ -324,15 +333,19 @@ def corners(
         kink, cosine = step_of_direction(i, tangents, axis_limits)
         if cosine < REVERSAL:
             continue  # a stop of the program's own: it takes nothing of the acceleration
-        reach = max(speed[i], speed[i + 1])
+        slower = min(speed[i], speed[i + 1])
+        share = kink * (slower + acceleration[i + 1] * CYCLE)
+        if curves.kind[i] == ROUND or curves.kind[i + 1] == ROUND:
+            share /= TANGENTIAL_SHARE
         reduction = joints.reduction
-        if kink * reach <= KINK_SHARE:
+        if share <= KINK_SHARE:
             joints.kind[i] = PASS
             joints.cap[i] = 1e30
-            reduction[i] = max(reduction[i], kink * reach)
-            reduction[i + 1] = max(reduction[i + 1], kink * reach)
+            reduction[i] = max(reduction[i], share)
+            reduction[i + 1] = max(reduction[i + 1], share)
             continue
-        kink_speed = KINK_SHARE / kink
+        reach = max(speed[i], speed[i + 1])
+        kink_speed = slower * KINK_SHARE / share
         kind = STAND  # G61 passes only what is as good as tangent
         if blended[i]:
             kind = round_corner(i, cosine, reach, kink_speed, tolerance, tangents, axis_limits, curves, joints, room)

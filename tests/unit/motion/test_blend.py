@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import cos, pi, sin, sqrt
+from math import asin, cos, pi, sin, sqrt
 
 import numpy as np
 import pytest
@@ -12,6 +12,7 @@ from gcodesim.diagnostics import Span
 from gcodesim.motion import build_tool_path
 from gcodesim.motion.blend import along_limits, blend
 from gcodesim.motion.blend_kernels import NORMAL_SHARE, OPEN_END_SHARE, TANGENTIAL_SHARE, in_plane, merge_chords
+from gcodesim.motion.curve_kernels import ROUND, STRAIGHT
 from gcodesim.motion.curves import Curves
 from gcodesim.motion.pieces import OVERLAP, AxisLimits, Pieces
 from gcodesim.motion.timing import time_law
@@ -59,13 +60,49 @@ def test_exact_path_passes_tangents_and_stands_at_corners() -> None:
 
 
 def test_exact_path_stands_between_chords_whose_turn_takes_more_than_a_tenth_of_the_acceleration() -> None:
-    """A turn by w at speed v asks for w v within a millisecond: 0.3 m/s² are a tenth, so w = 0.003 at 0.1 m/s."""
-    below, above = 0.0029, 0.0031
+    """A turn by w asks for w (v + a dt) within a dt of 1 ms: 0.3 m/s² are a tenth, so w = 0.3 / 103 at 0.1 m/s."""
+    below, above = 0.00290, 0.00293
     small = joined(mode("exact_path"), line(0.1), line(0.2, 0.1 * below))
     large = joined(mode("exact_path"), line(0.1), line(0.2, 0.1 * above))
 
     assert small.junction[0] > 1.0
     assert large.junction[0] == 0.0
+
+
+def test_a_turn_is_passed_by_the_slower_block_and_beside_an_arc_counts_double() -> None:
+    """`tpSetupTangent` in tp.c: 0.3 / (v + 3 m/s² dt) of v = 0.02 m/s is 0.0130, of 0.1 m/s it is 0.0029."""
+    slow = joined(mode("exact_path"), line(0.1), line(0.2, 0.1 * 0.0129, feed=0.02))
+    fast = joined(mode("exact_path"), line(0.1), line(0.2, 0.1 * 0.0129, feed=0.1))
+
+    def bent(w: float) -> float:
+        """Speed from a line into an arc of 1 m that begins `w` to the left."""
+        x, y = 0.1 - sin(w), cos(w)
+        behind = arc((x + sin(w + 0.1), y - cos(w + 0.1)), (x, y), ccw=True, sweep=0.1)
+        return float(joined(mode("exact_path"), line(0.1), behind).junction[0])
+
+    assert slow.junction[0] > 1.0
+    assert fast.junction[0] == 0.0
+    assert bent(0.0014) > 1.0
+    assert bent(0.0016) == 0.0
+
+
+def test_arcs_flatter_than_p_go_as_chords() -> None:
+    """`ARC_FEED` in emccanon.cc: arcs of the XY plane that leave their chord by less than P (or Q)."""
+    waves = []
+    for k, up in enumerate((True, False) * 3):  # 2 mm each, 0.02 mm high
+        radius, height = 25.01, 24.99
+        sweep = 2.0 * asin(1.0 / radius)
+        middle = ((2 * k + 1) * MM, (-height if up else height) * MM)
+        waves.append(arc(((2 * k + 2) * MM, 0.0), middle, ccw=not up, sweep=-sweep if up else sweep))
+
+    merged = joined(mode("blend", 0.03 * MM), *waves)
+    apart = joined(mode("blend", 0.015 * MM), *waves)
+
+    assert len(merged) == 1
+    assert merged.curves.kind.tolist() == [STRAIGHT]
+    assert merged.length[0] == pytest.approx(12.0 * MM, rel=1e-6)
+    assert ROUND in apart.curves.kind
+    assert joined(mode("exact_path"), *waves).curves.kind.tolist() == [ROUND] * 6
 
 
 def test_a_corner_arc_is_tangent_and_within_tolerance() -> None:
@@ -204,7 +241,9 @@ def test_merging_agrees_with_a_slow_twin() -> None:
     joined_rows = rng.random(199) < 0.95
     tolerance = np.full(199, 0.2)
 
-    got = merge_chords(start, end, joined_rows, tolerance)
+    flat, middle = rng.random(199) < 0.1, 0.5 * (start + end) + rng.normal(size=(199, 3)) * 0.08
+
+    got = merge_chords(start, end, joined_rows, tolerance, flat, middle)
 
     first = np.arange(199)
     for i in range(1, 199):
@@ -212,7 +251,7 @@ def test_merging_agrees_with_a_slow_twin() -> None:
         if not joined_rows[i] or i - head > 100:
             continue
         a, b = start[head], end[i]
-        inner = end[head:i]
+        inner = np.concatenate([end[head:i], middle[head : i + 1][flat[head : i + 1]]])
         t = np.clip((inner - a) @ (b - a) / ((b - a) @ (b - a)), 0, 1)
         if np.linalg.norm(a + t[:, None] * (b - a) - inner, axis=1).max() <= 0.2:
             first[i] = head
