@@ -14,8 +14,9 @@ from pathlib import Path
 import numpy as np
 
 from gcodesim.kinematics import kinematics_of, load_urdf, model_path
-from gcodesim.planning.configuration import can_run, search
-from gcodesim.planning.ladder import Passage
+from gcodesim.planning.configuration import SPINS, grid, search
+from gcodesim.planning.ladder import Passage, rungs_of
+from gcodesim.planning.ladder_kernels import earliest, link
 from gcodesim.units import DEG, MM
 
 FOLDER = Path(__file__).parent / "data" / "configurations"
@@ -80,6 +81,14 @@ def answer(case, mode):
         "stretch": list(found.stretch),
         **start,
     }
+
+
+def can_run(robot, cut, *, spins=SPINS):
+    """Whether there is a continuous way through a cut; `search` would also say which and how far."""
+    rungs = rungs_of(robot, cut, grid(cut, spins))
+    if not rungs.counts.all():
+        return False
+    return bool(earliest(rungs.ladder, link(rungs.ladder, cut.step, False))[0] == len(cut))
 
 
 def answer_placement(case):

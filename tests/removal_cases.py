@@ -10,10 +10,11 @@ from typing import Any
 import numpy as np
 
 from gcodesim.material import Stock
-from gcodesim.material.axis_way import AxisWay, Helix, along_helix, joined, straight
+from gcodesim.material.axis_way import AxisWay
 from gcodesim.material.solid_of_revolution import slabs_of_outline
 from gcodesim.solids.turned import OutlineArc
 from gcodesim.units import MM, MM3
+from tests.axis_ways import Helix, along_helix, joined, straight
 
 CASES = Path(__file__).parent / "data" / "removal" / "cases.json"
 

@@ -119,14 +119,6 @@ def search(
     return Configuration(prefix=prefix, stretch=(first, last), clear=clear, short=short, obstacle=obstacle)
 
 
-def can_run(kinematics: Kinematics, cut: Passage, *, spins: int = SPINS) -> bool:
-    """Whether there is a continuous way through `cut`."""
-    rungs = rungs_of(kinematics, cut, grid(cut, spins))
-    if not rungs.counts.all():
-        return False
-    return bool(earliest(rungs.ladder, link(rungs.ladder, cut.step, False))[0] == len(cut))
-
-
 def even_way(
     kinematics: Kinematics,
     cut: Passage,

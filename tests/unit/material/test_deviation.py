@@ -9,13 +9,13 @@ import pytest
 import trimesh
 
 from gcodesim.material import Stock, shape
-from gcodesim.material.axis_way import straight
 from gcodesim.material.deviation import compare
 from gcodesim.material.distance_kernels import skin_distances
 from gcodesim.material.distance_tree import skin_tree
 from gcodesim.material.mesh import OpenMeshError
 from gcodesim.material.revolved import Revolved
 from gcodesim.material.solid_of_revolution import slabs_of_shape
+from tests.axis_ways import straight
 
 MM, CELL, BAND = 1e-3, 0.5, 0.05
 

@@ -6,12 +6,13 @@ import numpy as np
 import pytest
 
 from gcodesim.material import Stock, shape
-from gcodesim.material.axis_way import AxisWay, straight
+from gcodesim.material.axis_way import AxisWay
 from gcodesim.material.lattice import ensure_lattice
 from gcodesim.material.loops import loop_table
 from gcodesim.material.solid_of_revolution import slabs_of_outline, slabs_of_shape
 from gcodesim.material.stock_file import StockFileError, load_stock, stock_from_bytes
 from gcodesim.units import MM, MM3
+from tests.axis_ways import straight
 
 LEAN = np.array([0.0, 0.6, 0.8])
 

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from gcodesim.kinematics import MODELS
-from gcodesim.planning.configuration import Hindrance, can_run, search
+from gcodesim.planning.configuration import Hindrance, search
 from gcodesim.planning.ladder import Passage
 from gcodesim.planning.ladder_kernels import LIMITED, TURN, Ladder, earliest, link, shortest, trace, widest
 from gcodesim.units import DEG
-from tests.configuration_cases import answer, answer_placement, compare, kinematics_for, read_cases
+from tests.configuration_cases import answer, answer_placement, can_run, compare, kinematics_for, read_cases
 
 DATA = read_cases()
 MODES = [(case, mode) for case in DATA["cases"] for mode in ("fixed", "free")]

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from gcodesim.planning import FixedAttitude
-from gcodesim.planning.configuration import can_run
 from gcodesim.planning.place import NOWHERE, Spot, best_place, cuts_of, margin_at, places, region_of
 from gcodesim.report.reach_picture import mesh_of, picture_of
+from tests.configuration_cases import can_run
 from tests.unit.planning.test_route import around
 
 
