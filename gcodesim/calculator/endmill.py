@@ -185,8 +185,7 @@ class EndMill(CutModel):
     def compute(self) -> dict[str, Value]:
         cutter, law, cut, kappa, run_out = self.cutter, self.law, self.cut, self.kappa, self.eccentric
         mean = end_mill_forces(cutter, law, cut, lead_angle=kappa, run_out=run_out)
-        straight = 0.5 * pi if kappa is None else kappa
-        chips = tooth_chips(cutter, cut, run_out, straight)
+        chips = tooth_chips(cutter, cut, run_out, kappa)
         entry, leave = cut.limits(self.diameter)
         found: dict[str, Value] = {}
         for i, axis in enumerate("xyz"):
@@ -195,7 +194,7 @@ class EndMill(CutModel):
             found[f"peak_F{axis}"] = float(mean.peak_force[i])
         found |= {
             "peak_F": mean.peak, "mean_torque": mean.torque, "peak_torque": mean.peak_torque,
-            "mean_chip_thickness": mean_chip_thickness(cutter, cut, straight), "max_chip_thickness": float(chips.max()),
+            "mean_chip_thickness": mean_chip_thickness(cutter, cut, kappa), "max_chip_thickness": float(chips.max()),
             "entry": entry, "exit": leave,
         }  # fmt: skip
         if run_out is not None:
@@ -206,7 +205,7 @@ class EndMill(CutModel):
                 "feed": cut.feed_per_tooth * self.flutes * self.speed / (2.0 * pi),
             }  # fmt: skip
             if isinstance(law, Kienzle):
-                found["handbook_power"] = handbook_power(law, cutter, cut, straight)
+                found["handbook_power"] = handbook_power(law, cutter, cut, kappa)
         for theta in self.theta:
             force, torque = instantaneous_forces(cutter, law, cut, theta, kappa, run_out)
             at = f"{theta / DEG:.10g}"

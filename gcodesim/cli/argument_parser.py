@@ -37,11 +37,14 @@ class Parser(argparse.ArgumentParser):
         return namespace, rest
 
     def _takes(self, rest: list[str], namespace: Any) -> bool:
-        """Give words that stand behind an option to the argument that takes any number: argparse had it take none."""
-        many = next((one for one in self._actions if not one.option_strings and one.nargs == "*"), None)
-        if many is None or getattr(namespace, many.dest, None) or any(word.startswith("-") for word in rest):
+        """Give words that stand behind an option to the argument that takes any number: argparse leaves them over."""
+        many = next((one for one in self._actions if not one.option_strings and one.nargs in ("*", "+")), None)
+        if many is None or any(word.startswith("-") for word in rest):
             return False
-        setattr(namespace, many.dest, self._get_values(many, rest))
+        before = getattr(namespace, many.dest, None)
+        if before is None or before is many.default:
+            before = []
+        setattr(namespace, many.dest, [*before, *self._get_values(many, rest)])
         return True
 
     def error(self, message: str) -> NoReturn:

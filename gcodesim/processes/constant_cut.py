@@ -32,6 +32,7 @@ MODES: Final = ("up", "down", "slot", "centred")
 _HEIGHT_NODES: Final = 24
 _ANGLE_NODES: Final = 160
 _TURN_ANGLES: Final = 360
+_CHIP_HEIGHTS: Final = 49
 _UPRIGHT: Final = 1e-12
 """Cosine of kappa below which an edge is part of a cylinder."""
 
@@ -316,17 +317,25 @@ def _peak_angles(cutter: Cutter, cut: ConstantCut, whole_turn: bool) -> list[flo
     return [angle + turn * pitch for turn in range(turns) for angle in (*even, *corners)]
 
 
-def tooth_chips(cutter: Cutter, cut: ConstantCut, run_out: RunOut | None = None, lead_angle: float = 0.5 * pi) -> Array:
-    """Greatest chip thickness (flutes,) [m] of each tooth at its tip within the angles of contact."""
+def tooth_chips(
+    cutter: Cutter, cut: ConstantCut, run_out: RunOut | None = None, lead_angle: float | None = None
+) -> Array:
+    """Greatest chip thickness (flutes,) [m] of each tooth within the angles and heights of contact."""
     start, end = cut.limits(cutter.diameter)
+    most = np.zeros(cutter.flutes)
     if end <= start:
-        return np.zeros(cutter.flutes)
+        return most
     phi = np.append(np.linspace(start, end, _TURN_ANGLES + 1), min(max(0.5 * pi, start), end))
-    at_tip = np.zeros(1)
-    most = [
-        float(_uncut(cutter, cut, run_out, tooth, at_tip, sin(phi)[:, None]).max()) for tooth in range(cutter.flutes)
-    ]
-    return np.maximum(np.array(most) * sin(lead_angle), 0.0)
+    for row, z0, z1 in _pieces(cutter, cut.ap, lead_angle):
+        z = np.linspace(z0, z1, _CHIP_HEIGHTS)
+        sine = np.full_like(z, sin(row[3]))
+        if row[0] > 0.0:
+            along = np.clip((row[2] - z) / row[0], -1.0, 1.0)
+            sine = np.sqrt(1.0 - along * along)
+        for tooth in range(cutter.flutes):
+            chip = _uncut(cutter, cut, run_out, tooth, z, sin(phi)[:, None]) * sine
+            most[tooth] = max(most[tooth], float(chip.max()))
+    return most
 
 
 def plunge_forces(cutter: Cutter, law: Law, *, feed_per_rev: float, spindle: float = 0.0) -> CutForces:
@@ -363,15 +372,19 @@ def plunge_forces(cutter: Cutter, law: Law, *, feed_per_rev: float, spindle: flo
     )  # fmt: skip
 
 
-def mean_chip_thickness(cutter: Cutter, cut: ConstantCut, lead_angle: float = 0.5 * pi) -> float:
-    """h_m = c sin(kappa) 2 ae / (D phi_s) [m]: chip thickness averaged over the angle of contact phi_s."""
+def mean_chip_thickness(cutter: Cutter, cut: ConstantCut, lead_angle: float | None = None) -> float:
+    """h_m = c 2 ae / (D phi_s) ap / l [m]: averaged over the angle of contact phi_s and the length l of edge below ap.
+
+    On a straight edge ap / l is sin(kappa); ae / D is (cos(entry) - cos(exit)) / 2.
+    """
     start, end = cut.limits(cutter.diameter)
-    if end <= start:
+    length = sum(float(_between(*piece, lead_angle).b.sum()) for piece in _pieces(cutter, cut.ap, lead_angle))
+    if end <= start or length <= 0.0:
         return 0.0
-    return cut.feed_per_tooth * sin(lead_angle) * (cos(start) - cos(end)) / (end - start)
+    return cut.feed_per_tooth * (cos(start) - cos(end)) / (end - start) * min(cut.ap / length, 1.0)
 
 
-def handbook_power(law: Kienzle, cutter: Cutter, cut: ConstantCut, lead_angle: float = 0.5 * pi) -> float:
+def handbook_power(law: Kienzle, cutter: Cutter, cut: ConstantCut, lead_angle: float | None = None) -> float:
     """kc(h_m) ap ae v_f [W], as handbooks give it: never below the exact mean (Jensen), equal only for mc = 0."""
     h = mean_chip_thickness(cutter, cut, lead_angle)
     if h <= 0.0:
