@@ -50,7 +50,7 @@ def _possible(tool: Any, to: Reading, path: Path) -> Tool | Unread:
     problems = tool.problems()
     if tool.number == 0 and "extrusion" not in tool.processes:
         problems = [*problems, ("type", "T0 is the empty spindle; only an extruder may be tool 0")]
-    written = [problem for problem in problems if (*path, *problem[0].split(".")) in to.spans]
+    written = [problem for problem in problems if (*path, *_keys(problem[0])) in to.spans]
     cls: type = type(tool)
     known = all_keys(cls)
     for name, message in written or problems:  # a default that follows from a wrong value is not a separate fault
@@ -58,5 +58,10 @@ def _possible(tool: Any, to: Reading, path: Path) -> Tool | Unread:
         hint = f"the default of `{name}` does not fit the other keys; write it"
         if written and key in known:
             hint = f"`{key}`: {known[key].doc}"
-        to.fault("GS720", to.span((*path, *name.split("."))), f"tool {tool.number} is impossible: {message}", hint)
+        to.fault("GS720", to.span((*path, *_keys(name))), f"tool {tool.number} is impossible: {message}", hint)
     return UNREAD if problems else tool
+
+
+def _keys(name: str) -> Path:
+    """The path of a key such as `holder.above.0.length` below its tool."""
+    return tuple(int(part) if part.isdigit() else part for part in name.split("."))

@@ -21,6 +21,7 @@ from gcodesim.frames import Array
 
 MOST_ROUNDS = 64
 GOLDEN = 0.6180339887498949
+MOST_CONES = 8  # points of an outline, up to which the flanks of its cones are asked one by one; balls have more
 EXACT = 1e-9  # [m] to which the first contact is known
 ROUNDS = 40  # golden section: 5e-9 of a piece, if it is not shorter than the tolerance before
 
@@ -204,15 +205,44 @@ def overlap_along(outline: Array, axis: Array, tip: Array, corners: Array, d: Ar
 
 
 @kernel
+def has_cones(outline: Array) -> bool:
+    """Whether the outline (k, 2) of a part has flanks that are neither upright nor level."""
+    for k in range(outline.shape[0] - 1):
+        if outline[k, 0] != outline[k + 1, 0] and outline[k, 1] != outline[k + 1, 1]:
+            return True
+    return False
+
+
+@kernel
+def flank_depth(outline: Array, axis: Array, tip: Array, corners: Array, side: Array) -> float:
+    """The least way out [m] along the normals of the flanks of cones that stand on the side `side` (3,) of the axis."""
+    least = math.inf
+    size = math.sqrt(side[0] * side[0] + side[1] * side[1] + side[2] * side[2])
+    if size < 1e-12:
+        return least
+    d, point = np.zeros(3), np.zeros(3)
+    for k in range(outline.shape[0] - 1):
+        across, along = outline[k + 1, 1] - outline[k, 1], outline[k, 0] - outline[k + 1, 0]
+        if across == 0.0 or along == 0.0:
+            continue
+        for sign in range(4):  # out of the flank and into it, to this side and the other
+            for c in range(3):
+                d[c] = (1 - 2 * (sign & 1)) * across * side[c] / size + (1 - (sign & 2)) * along * axis[c]
+            least = min(least, overlap_along(outline, axis, tip, corners, d, point))
+    return least
+
+
+@kernel
 def depth_at(outline: Array, axis: Array, tip: Array, corners: Array, normals: Array) -> float:
     """How deep [m] the tool standing at `tip` is in the hull: the least way out along any of these directions.
 
     The directions are the normals (m, 3) of the hull's faces and the tool's axis, both also
-    across the axis, and those from the axis to each corner. For an upright tool in an
-    upright box that is exact; for others it is an upper bound of the least way out.
+    across the axis, those from the axis to each corner, and, towards all of these, the normals of cones. For an upright
+    tool of cylinders and cones in an upright box that is exact; for others it is an upper bound of the least way out.
     Negative or 0: they do not meet.
     """
     least = math.inf
+    slanted = outline.shape[0] <= MOST_CONES and has_cones(outline)
     d, point = np.zeros(3), np.zeros(3)
     for i in range(2 * normals.shape[0] + 1 + corners.shape[0]):
         for c in range(3):
@@ -228,6 +258,8 @@ def depth_at(outline: Array, axis: Array, tip: Array, corners: Array, normals: A
             along = d[0] * axis[0] + d[1] * axis[1] + d[2] * axis[2]
             for c in range(3):
                 d[c] -= along * axis[c]
+            if slanted:
+                least = min(least, flank_depth(outline, axis, tip, corners, d))
         for _ in range(2):
             least = min(least, overlap_along(outline, axis, tip, corners, d, point))
             for c in range(3):

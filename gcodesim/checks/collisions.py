@@ -60,12 +60,12 @@ class Obstacle:
 class ToolParts:
     """A tool as convex bodies of revolution.
 
-    `outlines` maps a part (cutting, shank, holder, nozzle …) to points (k, 2):
-    radius and height above the tip [m].
+    `outlines` are parts (cutting, shank, holder, nozzle …) with points (k, 2): radius and height above the tip [m]. A
+    part that is not convex, such as a holder with a collar, is there several times.
     """
 
     name: str
-    outlines: dict[str, Array]
+    outlines: tuple[tuple[str, Array], ...]
 
     @staticmethod
     def of(tool: Tool) -> ToolParts:
@@ -75,12 +75,40 @@ class ToolParts:
             outline = outline_of(body.solid)
             outline[:, 1] = -(outline[:, 1] + body.placed.X.p[2])
             points.setdefault(body.part, []).append(outline)
-        return ToolParts(name=tool.name, outlines={part: np.concatenate(rows) for part, rows in points.items()})
+        found = [(part, outline) for part, rows in points.items() for outline in _convex(rows)]
+        return ToolParts(name=tool.name, outlines=tuple(found))
 
     def against(self, role: Role) -> ToolParts:
         """The parts that may not enter a body of this role."""
-        parts = {part: rows for part, rows in self.outlines.items() if may_not_meet(role_of_part(part), role)}
-        return replace(self, outlines=parts)
+        parts = [one for one in self.outlines if may_not_meet(role_of_part(one[0]), role)]
+        return replace(self, outlines=tuple(parts))
+
+
+def _convex(outlines: list[Array]) -> list[Array]:
+    """Bodies on one axis (k, 2) as few convex ones: neighbours are joined where nothing is added."""
+    found: list[list[Array]] = []
+    for outline in sorted(outlines, key=lambda one: float(one[:, 1].min())):
+        if found and _is_convex([*found[-1], outline]):
+            found[-1].append(outline)
+        else:
+            found.append([outline])
+    return [np.concatenate(group) for group in found]
+
+
+def _is_convex(outlines: list[Array]) -> bool:
+    """Whether bodies (k, 2) on one axis fill their hull: its radius is theirs between all heights of their corners."""
+    points = np.concatenate(outlines)
+    heights = np.unique(points[:, 1])
+    middle = 0.5 * (heights[:-1] + heights[1:])
+    wide, hull = np.zeros_like(middle), np.zeros_like(middle)
+    for outline in outlines:
+        up = outline[np.argsort(outline[:, 1], kind="stable")]
+        wide = np.maximum(wide, np.interp(middle, up[:, 1], up[:, 0], left=0.0, right=0.0))
+    for r, z in points:  # the hull's radius at a height is the greatest on a chord across it
+        share = (middle[:, None] - z) / (points[None, :, 1] - z + (points[None, :, 1] == z))
+        on = (share >= 0.0) & (share <= 1.0) & (points[None, :, 1] != z)
+        hull = np.maximum(hull, np.where(on, r + share * (points[None, :, 0] - r), 0.0).max(axis=1))
+    return bool(np.all(hull <= wide + TOUCH))
 
 
 @frozen
@@ -115,7 +143,7 @@ def fixture_touches(
     for fixture in fixtures:
         depths = np.zeros((len(tool.outlines), len(start)))
         shares = np.ones_like(depths)
-        for part, outline in enumerate(tool.outlines.values()):
+        for part, (_, outline) in enumerate(tool.outlines):
             _enter(outline, fixture, start, end, axis, depths[part], shares[part])
         for rows in runs(depths.max(axis=0, initial=0.0) > 0.0):
             piece = int(rows[0])
@@ -126,7 +154,7 @@ def fixture_touches(
             found.append(
                 Touch(
                     tool=tool.name,
-                    part=list(tool.outlines)[part],
+                    part=tool.outlines[part][0],
                     fixture=fixture.name,
                     piece=piece,
                     share=share,

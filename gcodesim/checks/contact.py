@@ -126,18 +126,20 @@ class Touching:
     def _parts(self) -> ToolParts:
         """The part of the tool that may touch."""
         outlines = ToolParts.of(self.tool).outlines
-        part = next((name for name in TIPS if name in outlines), None)
-        return ToolParts(name=self.tool.name, outlines=outlines if part is None else {part: outlines[part]})
+        names = [name for name, _ in outlines]
+        part = next((name for name in TIPS if name in names), None)
+        own = tuple(one for one in outlines if part in (None, one[0]))
+        return ToolParts(name=self.tool.name, outlines=own)
 
     @cached_property
     def _radius(self) -> float:
-        return max((float(outline[:, 0].max()) for outline in self._parts.outlines.values()), default=1e-3)
+        return max((float(outline[:, 0].max()) for _, outline in self._parts.outlines), default=1e-3)
 
     @cached_property
     def _skin(self) -> Array:
         """Points (n, 3) of the surface of the tip in T."""
         step = max([self._radius / FACETS, *(0.25 * target.cell for target in self.stocks)])
-        outlines = self._parts.outlines.values()
+        outlines = [outline for _, outline in self._parts.outlines]
         return np.concatenate([np.zeros((1, 3)), *(surface_points(outline, step) for outline in outlines)])
 
     # -- stocks

@@ -402,7 +402,8 @@ def remove_piece(field: Field, start: Array, end: Array, shape: Shape, spare: Sc
 def touch_piece(field: Field, start: Array, end: Array, shape: Shape) -> tuple[float, float]:
     """Material that `shape` would run through from tip `start` to `end`: (volume [m^3], depth [m]); none is removed.
 
-    depth: the greatest of the columns' depths, each the lesser of overlap in height and distance inside the radius.
+    depth: the greatest of the columns' depths, each the lesser of overlap in height and distance inside the radius, in
+    a steep cone inside its flank.
     `tops` of patches are upper bounds of the material's height; they are tightened where they are in the way.
     """
     columns, grid, tops = field.columns, field.grid, field.tops
@@ -443,7 +444,10 @@ def touch_piece(field: Field, start: Array, end: Array, shape: Shape) -> tuple[f
                     if shared > 0.0:
                         volume += shared
                         near = min(max(0.0, -along), length - along)
-                        depth = max(depth, min(shared, radius - np.sqrt(c2 + near * near)))
+                        inside = radius - np.sqrt(c2 + near * near)
+                        if shape.rise > 1.0:  # a steep cone is left sideways sooner than downwards
+                            inside = min(inside, shared / shape.rise)
+                        depth = max(depth, min(shared, inside))
     return volume * grid.dx * grid.dy, depth
 
 

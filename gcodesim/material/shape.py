@@ -14,6 +14,7 @@ from gcodesim.solids.turned import Outline, OutlineArc, end_of, steps_of
 Array = NDArray[np.float64]
 
 _FACETS = 24
+_STEPS = 16
 
 _CLOSE = 1e-9
 """[m]"""
@@ -32,6 +33,20 @@ def flat(diameter: float, length: float) -> Shape:
 def cylinder(diameter: float, bottom: float, top: float) -> Shape:
     """A round section from `bottom` to `top` above the tip [m]: shank, holder, or a flat cutter (bottom 0)."""
     return _shape(CYLINDER, diameter / 2.0, 0.0, diameter / 2.0, 0.0, bottom, top)
+
+
+def frustum(lower: float, upper: float, bottom: float, top: float) -> list[Shape]:
+    """A section with radii `lower` and `upper` from `bottom` to `top` above the tip [m], from the tip up.
+
+    The kernels know cones that widen upwards; one that narrows becomes steps, each as wide as it is in the middle.
+    """
+    if lower == upper:
+        return [cylinder(2.0 * lower, bottom, top)]
+    if lower < upper:
+        return [_shape(CONE, upper, 0.0, lower, (top - bottom) / (upper - lower), bottom, top)]
+    ends = [bottom + (top - bottom) * k / _STEPS for k in range(_STEPS + 1)]
+    radii = [lower + (upper - lower) * (k + 0.5) / _STEPS for k in range(_STEPS)]
+    return [cylinder(2.0 * r, a, b) for r, a, b in zip(radii, ends[:-1], ends[1:], strict=True)]
 
 
 def ball(diameter: float, length: float) -> Shape:

@@ -43,6 +43,8 @@ LOAD_COLUMNS: Final = (
     Column("unstable_depth", "m", "greatest", FINDINGS, "depth of cut where it may chatter"),
 )
 
+_SLICES: Final = 32
+"""Cylinders in place of a cone that bends."""
 _ANGLE: Final = 3.0 * DEG
 """Steps of entry and exit for which the limit of chatter is computed."""
 _SLOWEST: Final = 59
@@ -52,8 +54,10 @@ _SLOWEST: Final = 59
 def sections_of(cutter: Cutter) -> list[BeamSection]:
     """The cutter as a beam, from its tip to the holder."""
     parts = [BeamSection(FLUTED * cutter.diameter, cutter.flute_length)]
-    if cutter.length > cutter.flute_length:
-        parts.append(BeamSection(cutter.shank_diameter, cutter.length - cutter.flute_length))
+    for lower, upper, bottom, top in cutter.shank_frusta:
+        slices = 1 if lower == upper else _SLICES
+        for k in range(slices):
+            parts.append(BeamSection(2.0 * (lower + (upper - lower) * (k + 0.5) / slices), (top - bottom) / slices))
     return parts
 
 

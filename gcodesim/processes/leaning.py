@@ -115,7 +115,6 @@ def cut_leaning(
     `axes`: those of the pieces (c, 3) at both ends. A tool that was put in inside of material cuts nothing until it
     has left it.
     """
-    from gcodesim.material.solid_of_revolution import slabs_of_shape
     from gcodesim.processes import milling_kernels as m
     from gcodesim.processes.leaning_force import feel_and_cut
 
@@ -125,7 +124,7 @@ def cut_leaning(
     if not len(way.starts):
         return out
     part = np.repeat(np.arange(len(out)), np.diff(motion.first_piece))
-    others = [slabs_of_shape(shape, stock.cell) for shape in (tool.shank, tool.holder) if shape.radius > 0]
+    others = [slabs_of_sections(part, stock.cell) for part in (tool.shank, tool.holder) if len(part)]
     begin = 0
     if kept.numbers[m.FREEDOM] != m.FREE:
         begins = AxisWay(way.starts, way.starts, way.axes_start, way.axes_start)
@@ -144,10 +143,10 @@ def cut_leaning(
         )
         cut = AxisWay(*(ends[begin:] for ends in way))
         out[first:] = feel_and_cut(process, stock, rest, cut, state)
-        for column, shape in ((m.SHANK, tool.shank), (m.HOLDER, tool.holder)):
-            if shape.radius > 0.0:
+        for column, part_of_tool in ((m.SHANK, tool.shank), (m.HOLDER, tool.holder)):
+            if len(part_of_tool):
                 ends = AxisWay(cut.ends, cut.ends, cut.axes_end, cut.axes_end)
-                deep = stock.depths(ends, slabs_of_shape(shape, stock.cell))
+                deep = stock.depths(ends, slabs_of_sections(part_of_tool, stock.cell))
                 np.maximum.at(out[:, column], part[begin:], np.where(deep > SKIN * stock.cell, deep, 0.0))
     out[part[:begin], m.INSIDE] = 1.0
     kept.tip[:] = way.ends[-1]
@@ -164,6 +163,14 @@ def slabs_of_cutter(tool: MillingTool, cell: float) -> Array:
     from gcodesim.material.solid_of_revolution import slabs_of_shape
 
     return tool.slabs if len(tool.slabs) else slabs_of_shape(tool.cutter, cell)
+
+
+def slabs_of_sections(sections: Array, cell: float) -> Array:
+    """Sections (k, 7) of a shank or holder as slabs (m, 6) for stock with cells of the size `cell` [m]."""
+    from gcodesim.material.solid_of_revolution import slabs_of_shape
+    from gcodesim.material.sweep_kernels import Shape
+
+    return np.concatenate([slabs_of_shape(Shape(*row), cell) for row in sections.tolist()])
 
 
 def cut_in_three(process: Milling, stock: Stock, motion: Motion, state: ProcessState) -> Array:

@@ -136,7 +136,7 @@ def _feel(process: Milling, stock: Stock, motion: Motion, axis: Array, state: Pr
         kept.delta[:] = 0.0
         kept.numbers[m.CUTTING] = 0.0
     else:
-        alone = tool._replace(shank=tool.shank._replace(radius=0.0), holder=tool.holder._replace(radius=0.0))
+        alone = tool._replace(shank=np.zeros((0, 7)), holder=np.zeros((0, 7)), widest=float(tool.cutter.radius))
         while m.mill(field, alone, local, process._room, state.values, out) < len(out):
             field = widened(field)
     for vector in (kept.delta, kept.before, kept.tip):

@@ -32,6 +32,7 @@ from gcodesim.processes.wear import WEAR, worn
 from gcodesim.processes.window import ProcessState, ProcessStep, Window
 from gcodesim.processes.zone import Zone
 from gcodesim.tools.cutter import Cutter
+from gcodesim.tools.sections import Frustum, shapes_of
 from gcodesim.units import MM, UM
 
 if TYPE_CHECKING:
@@ -334,22 +335,25 @@ class Milling(Process):
     def packed_tool(self) -> MillingTool:
         """Cutter and law as the kernel takes them."""
         from gcodesim.material.solid_of_revolution import slabs_of_outline
-        from gcodesim.material.sweep_kernels import CYLINDER, Shape
         from gcodesim.processes.milling_kernels import CLEARANCE, MillingTool
 
-        def thinner(shape: Shape | None) -> Shape:
-            if shape is None:
-                return Shape(CYLINDER, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-            return shape._replace(radius=shape.radius - CLEARANCE, flat=shape.flat - CLEARANCE)
+        def thinner(frusta: tuple[Frustum, ...]) -> Array:
+            rows = [
+                shape._replace(radius=shape.radius - CLEARANCE, flat=max(shape.flat - CLEARANCE, 0.0))
+                for shape in shapes_of(frusta)
+            ]
+            return np.array(rows, dtype=float).reshape(-1, 7)
 
         cutter = self.cutter
-        form = cutter.form
+        form, shape = cutter.form, cutter.cutting_shape
+        shank, holder = thinner(cutter.shank_frusta), thinner(cutter.holder_frusta)
         return MillingTool(
             teeth=self._teeth,
-            cutter=cutter.cutting_shape,
-            shank=thinner(cutter.shank_shape),
-            holder=thinner(cutter.holder_shape),
+            cutter=shape,
+            shank=shank,
+            holder=holder,
             slabs=np.zeros((0, 6)) if form is None else slabs_of_outline(form, FORM_CELL * cutter.diameter),
+            widest=max([float(shape.radius), *shank[:, 1].tolist(), *holder[:, 1].tolist()]),
         )
 
     @property

@@ -114,16 +114,18 @@ RELAX_LEAST, RELAX_MOST = 0.01, 1.0
 
 
 class MillingTool(NamedTuple):
-    """A cutter: its edges, and its parts that fill room; of a part that is missing the radius is 0.
+    """A cutter: its edges, and its parts that fill room.
 
-    Where `cutter` is only the cylinder around a form, `slabs` (m, 6) are the form; else there are none.
+    shank, holder (k, 7): their sections as shapes, none of a part that is missing; `widest` is the greatest radius of
+    all [m]. Where `cutter` is only the cylinder around a form, `slabs` (m, 6) are the form; else there are none.
     """
 
     teeth: Teeth
     cutter: Shape
-    shank: Shape
-    holder: Shape
+    shank: Array
+    holder: Array
     slabs: Array
+    widest: float
 
 
 class Motion(NamedTuple):
@@ -410,9 +412,19 @@ def touch_cutter(field: Field, start: Array, end: Array, tool: MillingTool) -> t
 
 
 @kernel(lean=True, inlined=True)
-def depth_of(field: Field, start: Array, end: Array, shape: Shape) -> float:
-    """How deep [m] a part of the tool is in material from `start` to `end`; 0 where it is missing or only touches."""
-    depth = touch_piece(field, start, end, shape)[1] if shape.radius > 0.0 else 0.0
+def depth_of(field: Field, start: Array, end: Array, sections: Array, top: float) -> float:
+    """How deep [m] a part of the tool is in material from `start` to `end`; 0 where it is missing or only touches.
+
+    sections (k, 7): shapes; `top` [m]: above it there is no material.
+    """
+    depth, lowest = 0.0, min(start[2], end[2])
+    for k in range(sections.shape[0]):
+        if lowest + sections[k, 5] < top:
+            shape = Shape(
+                sections[k, 0], sections[k, 1], sections[k, 2], sections[k, 3], sections[k, 4], sections[k, 5],
+                sections[k, 6],
+            )  # fmt: skip
+            depth = max(depth, touch_piece(field, start, end, shape)[1])
     return depth if depth > LEAST_TOUCH else 0.0
 
 
@@ -629,11 +641,8 @@ def cut(
         if not ok:
             state.numbers[STEP], state.numbers[PIECE] = k + 1.0, float(piece)
             return False
-        lowest = min(start[2], end[2])
-        if lowest + tool.shank.bottom < top:
-            out[SHANK] = max(out[SHANK], depth_of(field, start, end, tool.shank))
-        if lowest + tool.holder.bottom < top:
-            out[HOLDER] = max(out[HOLDER], depth_of(field, start, end, tool.holder))
+        out[SHANK] = max(out[SHANK], depth_of(field, start, end, tool.shank, top))
+        out[HOLDER] = max(out[HOLDER], depth_of(field, start, end, tool.holder, top))
     return True
 
 
@@ -659,8 +668,8 @@ def settle(field: Field, motion: Motion, k: int, way: Way, state: State, out: Ar
 def is_free(field: Field, tool: MillingTool, tip: Array) -> bool:
     """Whether no part is in material: a long tool may go through the stock with its edges below it."""
     deepest = max(touch_cutter(field, tip, tip, tool)[1], 0.0)
-    deepest = max(deepest, depth_of(field, tip, tip, tool.shank))
-    deepest = max(deepest, depth_of(field, tip, tip, tool.holder))
+    deepest = max(deepest, depth_of(field, tip, tip, tool.shank, np.inf))
+    deepest = max(deepest, depth_of(field, tip, tip, tool.holder, np.inf))
     return deepest <= LEAST_TOUCH
 
 
@@ -682,14 +691,13 @@ def mill_steps(
     """The loop of `mill`, which has made all arrays, so that none is counted in each step."""
     n = len(motion.spindle)
     before, after, delta, numbers = way.before, way.after, state.delta, state.numbers
-    widest = max(tool.cutter.radius, max(tool.shank.radius, tool.holder.radius))
     cell = coarsest(field)
     resumed = numbers[STEP] > 0.0
     for k in range(int(numbers[STEP]) - 1 if resumed else 0, n):
         if not find_way(motion, k, state, way):
             continue
         # nothing near: idle
-        reach = widest + cell + flat_way(way)
+        reach = tool.widest + cell + flat_way(way)
         top = top_nearby(field, after[0] + delta[0], after[1] + delta[1], reach)
         if min(before[2], after[2]) + min(delta[2], 0.0) - cell >= top:
             unbend(state)

@@ -24,6 +24,7 @@ from gcodesim.rs274.tool_table import ToolEntry
 from gcodesim.starter.fusion_turning import TURNING, turning_tool
 from gcodesim.starter.scan import tool_in_words
 from gcodesim.starter.tool_keys import LEFT_OUT, Json, ReadTool, ToolKeys, number_of, whole_of
+from gcodesim.starter.tool_sections import fusion_holder, fusion_shank, plain_shank
 from gcodesim.tools.lathe_tool import angles_of_edges
 from gcodesim.tools.turning_tool import GREATEST_LEAD, LEAST_LEAD
 from gcodesim.units import DEG, INCH, MM
@@ -311,23 +312,12 @@ def _fusion_tool(entry: Json) -> ReadTool | None:
         keys.notes.append(f"approximated: a {word} is taken for a {kind.replace('_', ' ')}")
     if word.startswith("tap left"):
         keys.notes.append("approximated: a left-hand tap is taken for a right-hand one")
-    _fusion_holder(entry, keys)
+    fusion_shank(entry, geometry, keys)
+    fusion_holder(entry, keys)
     ignored = sorted(set(geometry) - _FUSION_READ)
     if ignored:
         keys.notes.append(f"not used: {', '.join(f'`{key}`' for key in ignored)}")
     return _made(keys, number, name)
-
-
-def _fusion_holder(entry: Json, keys: ToolKeys) -> None:
-    segments = _mapping(entry.get("holder")).get("segments")
-    parts = [part for part in segments if isinstance(part, dict)] if isinstance(segments, list) else []
-    heights = [number_of(part.get("height")) or 0.0 for part in parts]
-    wide = [max(number_of(part.get(key)) or 0.0 for key in ("lower-diameter", "upper-diameter")) for part in parts]
-    if parts and sum(heights) > 0.0 and max(wide) > 0.0:
-        sizes = f"diameter: {round(max(wide), 6):g} {keys.unit}, length: {round(sum(heights), 6):g} {keys.unit}"
-        keys.found["holder"] = f"{{{sizes}}}"
-        if len(parts) > 1 or len(set(wide)) > 1:
-            keys.notes.append("approximated: the holder is a cylinder as wide as the widest of its segments")
 
 
 def _mapping(value: Any) -> Json:
@@ -477,6 +467,8 @@ def _freecad(number: int, bit: Json) -> ReadTool:
         keys.length("pitch", value("Pitch"))
     if kind == "probe":
         keys.found.pop("flutes", None)
+    if "neck_diameter" not in keys.found:
+        plain_shank(value("ShankDiameter"), keys)
     ignored = sorted(set(parameters) - used)
     if ignored:
         keys.notes.append(f"not used: {', '.join(f'`{key}`' for key in ignored)}")

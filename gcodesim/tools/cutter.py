@@ -13,8 +13,10 @@ from gcodesim.declarations.keys import key
 from gcodesim.declarations.kind import NOT_NEGATIVE, POSITIVE, Range
 from gcodesim.declarations.plain_kinds import Choice
 from gcodesim.declarations.quantity import Quantity, Vector
+from gcodesim.declarations.record import Record
 from gcodesim.frozen import frozen
 from gcodesim.tools.body import Primitive, cylinder
+from gcodesim.tools.sections import Frustum, Shank, bodies_of, sizes_of, stacked
 from gcodesim.tools.sizes import exceeds
 from gcodesim.tools.tool import Tool
 from gcodesim.units import DEG, MM
@@ -98,6 +100,12 @@ class Cutter(Tool):
         example="25 mm",
     )
 
+    shank: Shank | None = key(
+        Record(Shank, "the shank", shorthand="diameter"),
+        "between the edges and the holder: neck and shank, cylinders and cones",
+        default=None,
+        rule="as thick as its kind has it",
+    )
     substrate: str | None = key(
         Choice(("carbide", "hss", "steel")),
         "what it is made of: then it bends like a beam; none: it is rigid",
@@ -195,29 +203,19 @@ class Cutter(Tool):
         return self.diameter
 
     @property
-    def shank_shape(self) -> Shape | None:
-        """The part between flutes and holder, None when there is none."""
-        if self.length <= self.flute_length:
-            return None
-        from gcodesim.material.shape import cylinder as section
-
-        return section(self.shank_diameter, self.flute_length, self.length)
-
-    @property
-    def holder_shape(self) -> Shape | None:
-        """The holder, None when the cell gives none."""
-        if self.holder is None:
-            return None
-        from gcodesim.material.shape import cylinder as section
-
-        return section(self.holder.diameter, self.length, self.true_length)
+    def shank_frusta(self) -> tuple[Frustum, ...]:
+        """The sections between flutes and holder, from the flutes up; none where the flutes reach up to the holder."""
+        room = self.length - self.flute_length
+        if room <= 0.0:
+            return ()
+        shank = Shank(diameter=self.shank_diameter) if self.shank is None else self.shank
+        return stacked(shank.sections(room), self.flute_length)
 
     @property
     def primitives(self) -> tuple[Primitive, ...]:
         """The cutting part, then shank and holder."""
         bodies = self._cutting_bodies()
-        if self.length > self.flute_length:
-            bodies.append(cylinder("shank", 0.5 * self.shank_diameter, self.flute_length, self.length))
+        bodies += bodies_of("shank", self.shank_frusta)
         return (*bodies, *self._holder_bodies())
 
     def _cutting_bodies(self) -> list[Primitive]:
@@ -247,6 +245,16 @@ class Cutter(Tool):
                     "the flutes would be inside the holder",
                 )
             )
+        if self.shank is not None and exceeds(self.shank.height, self.length - self.flute_length):
+            found.append(
+                (
+                    "shank",
+                    f"the sections of `shank` are {self.shank.height / MM:g} mm long, and from the flutes to the "
+                    f"holder there are {max(self.length - self.flute_length, 0.0) / MM:g} mm",
+                )
+            )
+        elif self.shank is not None and not self.shank_frusta:
+            found.append(("shank", "the flutes reach up to the holder, so there is no `shank`; give `flute_length`"))
         if 0.0 < self.flute_length < self.tip_height:
             found.append(
                 (
@@ -263,4 +271,7 @@ class Cutter(Tool):
         return 0.0
 
     def _positive(self) -> dict[str, float]:
-        return {"diameter": self.diameter, "flute_length": self.flute_length, **Tool._positive(self)}
+        values = {"diameter": self.diameter, "flute_length": self.flute_length, **Tool._positive(self)}
+        if self.shank is not None:
+            values |= sizes_of("shank", self.shank.sections(1.0))
+        return values

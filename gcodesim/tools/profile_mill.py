@@ -54,7 +54,7 @@ class ProfileMill(FormCutter):
         example="25 mm",
         quiet=True,
     )
-    shank: float = key(
+    plain_shank: float = key(
         "length",
         "diameter between the edges and the holder",
         derive=lambda cutter: 2.0 * end_of(cutter.form_outline[-1])[0],
@@ -69,7 +69,7 @@ class ProfileMill(FormCutter):
 
     @property
     def shank_diameter(self) -> float:
-        return self.shank
+        return self.plain_shank
 
     def problems(self) -> list[tuple[str, str]]:
         outline = self.form_outline

@@ -12,23 +12,16 @@ from gcodesim.declarations.quantity import Quantity
 from gcodesim.frames import Pose
 from gcodesim.frozen import frozen
 from gcodesim.solids import Placed
-from gcodesim.tools.body import MassProperties, Primitive, cylinder, mass_properties
+from gcodesim.tools.body import MassProperties, Primitive, mass_properties
 from gcodesim.tools.own_body import OwnBody
 from gcodesim.tools.parts import Color, body_part
+from gcodesim.tools.sections import Frustum, Holder, bodies_of, sizes_of, stacked
 from gcodesim.tools.tcp import Tcp
 from gcodesim.tools.tcp_load import TcpLoad
 from gcodesim.units import MM
 
 if TYPE_CHECKING:
     from gcodesim.sensors.sensor import Sensor
-
-
-@frozen
-class Holder:
-    """The cylinder that grips a tool; lengths [m]."""
-
-    diameter: float = key("length", "diameter of the holder", example="32 mm")
-    length: float = key("length", "height of the holder, from the spindle nose or flange to the tool", example="60 mm")
 
 
 @frozen
@@ -89,7 +82,7 @@ class Tool:
     @property
     def true_length(self) -> float:
         """From the spindle nose or flange to the tip [m]: `length` and the holder's."""
-        return self.length + (self.holder.length if self.holder else 0.0)
+        return self.length + (self.holder.height if self.holder else 0.0)
 
     @property
     def reach(self) -> float:
@@ -168,10 +161,13 @@ class Tool:
         own."""
         return self.body is None or (body_part(part).acts and not (self.body.moves and part == "finger"))
 
+    @property
+    def holder_frusta(self) -> tuple[Frustum, ...]:
+        """The sections of the holder, from the tool up; none when the cell gives no holder."""
+        return () if self.holder is None else stacked(self.holder.sections, self.length)
+
     def _holder_bodies(self) -> tuple[Primitive, ...]:
-        if self.holder is None:
-            return ()
-        return (cylinder("holder", 0.5 * self.holder.diameter, self.length, self.true_length),)
+        return tuple(bodies_of("holder", self.holder_frusta))
 
     @property
     def inertia(self) -> MassProperties:
@@ -195,6 +191,5 @@ class Tool:
         """Values that only make sense above zero."""
         values: dict[str, Any] = {"length": self.length}
         if self.holder is not None:
-            values["holder.diameter"] = self.holder.diameter
-            values["holder.length"] = self.holder.length
+            values |= sizes_of("holder", self.holder.sections)
         return values

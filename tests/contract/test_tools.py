@@ -12,8 +12,8 @@ from gcodesim.declarations.quantity import Quantity
 from gcodesim.processes import PROCESSES
 from gcodesim.tools import TOOLS
 from gcodesim.tools.outline_kind import OutlineKind
+from gcodesim.tools.sections import Holder
 from gcodesim.tools.suction_gripper import Cup
-from gcodesim.tools.tool import Holder
 
 # a sound value for any required key, by its kind
 SAMPLE = {

@@ -97,6 +97,14 @@ def test_misuse_is_one_finding_in_its_line(name: str) -> None:
     assert ran.misuse == wanted
 
 
+@pytest.mark.parametrize(("beside", "wanted"), [(6.6, []), (6.0, [("GS405", 7)])])
+def test_a_conical_holder_reaches_as_far_as_it_is_wide_there(beside: float, wanted: list[tuple[str, int]]) -> None:
+    """Its nose is 1 mm below the top of the block, where the cone has grown from 6 to 6.5 mm."""
+    slim = TOOLS.replace("{diameter: 30, length: 40}", "{diameter: 12, upper_diameter: 40, length: 28}")
+    program = HEAD + f"G0 X-30 Y-{beside} Z10\nG0 Z-41\nG1 X20 F600\nG1 X-30\n" + TAIL
+    assert run_texts(program, GANTRY + slim, world="kinematic").misuse == wanted
+
+
 @pytest.mark.parametrize("world", ["kinematic", "bullet"])
 @pytest.mark.parametrize("name", ["rapid through stock", "spindle never started", "shank"])
 def test_misuse_on_an_arm(name: str, world: str) -> None:

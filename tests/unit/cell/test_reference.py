@@ -16,7 +16,7 @@ from gcodesim.declarations.reading import UNREAD, Reading
 from gcodesim.diagnostics import Findings, SourceText
 from gcodesim.key_page import with_keys
 from gcodesim.tools import TOOLS
-from gcodesim.tools.tool import Holder
+from gcodesim.tools.sections import Holder
 from tests.unit.cell.text import sound
 
 PAGE = Path(__file__).parents[3] / "docs" / "cell.md"

@@ -18,7 +18,8 @@ from gcodesim.motion.tool_path import ToolState
 from gcodesim.planning import AxisPosing, plan_path
 from gcodesim.solids import Box, Cylinder, Placed
 from gcodesim.tools.flat_end_mill import FlatEndMill
-from gcodesim.tools.tool import Holder, Tool
+from gcodesim.tools.sections import Holder
+from gcodesim.tools.tool import Tool
 
 ZERO = np.array([0.3, 0.2, -0.3])  # G54 in M
 CLAMP = Box(lower=(0.020, 0.024, -0.010), upper=(0.030, 0.032, 0.015))

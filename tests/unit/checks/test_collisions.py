@@ -14,7 +14,7 @@ from gcodesim.frames import Pose, rotation_from_rpy
 from gcodesim.solids import Box, Cylinder, Mesh, Placed, Point
 from gcodesim.tools.ball_end_mill import BallEndMill
 from gcodesim.tools.flat_end_mill import FlatEndMill
-from gcodesim.tools.tool import Holder
+from gcodesim.tools.sections import Holder, Section
 
 UP = np.array([[0.0, 0.0, 1.0]])
 
@@ -97,6 +97,20 @@ def test_the_holder_is_named_when_it_is_the_holder() -> None:
 
     assert found.part == "holder"
     assert found.depth == pytest.approx(0.003, rel=1e-6)
+
+
+def test_a_collar_above_a_slim_nose_is_no_hull() -> None:
+    """A cone from 10 to 20 mm radius over 30 mm, then a collar of 30 mm: beside a wall that ends 15 mm above the nose
+    the cone reaches 15 mm there, the hull of both 20 mm, and at the nose itself the collar reaches nothing."""
+    holder = Holder(diameter=0.02, upper_diameter=0.04, length=0.03, above=(Section(diameter=0.06, length=0.01),))
+    tool = ToolParts.of(FlatEndMill(number=2, diameter=0.006, length=0.02, holder=holder))
+    wall = box("wall", (0.0, -0.1, 0.0), (0.01, 0.1, 0.035))
+
+    (found,) = touch(tool, wall, (-0.05, 0.0, 0.0), (-0.014, 0.0, 0.0))
+
+    assert touch(tool, wall, (-0.05, 0.0, 0.0), (-0.0151, 0.0, 0.0)) == []
+    assert found.part == "holder" and found.tip[0] == pytest.approx(-0.015, abs=1e-6)
+    assert found.depth == pytest.approx(0.001 * 3.0 / math.sqrt(10.0), rel=1e-3)  # out across the flank
 
 
 def test_a_shank_above_short_flutes_is_named() -> None:
@@ -190,7 +204,7 @@ def test_first_contact_with_triangles_is_where_the_distance_ends(lean: float) ->
     )
 
     def gap(share: float) -> float:
-        outline, until = tool.outlines["cutting"], start + share * (end - start)
+        outline, until = dict(tool.outlines)["cutting"], start + share * (end - start)
         return min(separation(outline, axis[0], start, until, facet, 1e-9) for facet in facets)
 
     assert (found.share, found.depth) == (back.share, back.depth)

@@ -9,7 +9,7 @@ from gcodesim.frames import WORLD, Pose
 from gcodesim.scene import Body, Scene, Stand
 from gcodesim.solids import Box, Placed
 from gcodesim.tools.flat_end_mill import FlatEndMill
-from gcodesim.tools.tool import Holder
+from gcodesim.tools.sections import Holder
 from tests.unit.scene.test_scene import arm
 
 BLOCK = (Placed(Box(lower=(0.0, 0.0, 0.0), upper=(0.1, 0.1, 0.1))),)
@@ -25,8 +25,8 @@ def test_a_tool_may_cut_stock_and_hit_no_fixture() -> None:
 def test_parts_are_asked_only_against_what_they_may_not_meet() -> None:
     tool = ToolParts.of(FlatEndMill(number=1, diameter=0.01, length=0.05, holder=Holder(diameter=0.04, length=0.05)))
 
-    assert set(tool.against("fixture").outlines) == {"cutting", "holder"}
-    assert tool.against("stock").outlines == {}
+    assert {part for part, _ in tool.against("fixture").outlines} == {"cutting", "holder"}
+    assert tool.against("stock").outlines == ()
 
 
 def test_bodies_are_gathered_by_what_they_stand_on() -> None:

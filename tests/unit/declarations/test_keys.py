@@ -13,7 +13,7 @@ from gcodesim.declarations.quantity import Quantity
 from gcodesim.declarations.record import Record
 from gcodesim.declarations.units import DIMENSIONS
 from gcodesim.tools import TOOLS
-from gcodesim.tools.tool import Holder
+from gcodesim.tools.sections import Holder
 from gcodesim.units import DEG, MM
 
 
@@ -78,7 +78,7 @@ def test_a_class_is_a_group_with_keys_of_its_own() -> None:
     holder = of_tool("flat_end_mill")["holder"].kind
 
     assert isinstance(holder, Record) and holder.cls is Holder
-    assert list(keys(holder.cls)) == ["diameter", "length"]
+    assert list(keys(holder.cls)) == ["diameter", "length", "upper_diameter", "above"]
 
 
 def test_keys_of_an_inlined_class_stand_among_ours() -> None:

@@ -11,7 +11,7 @@ from gcodesim.processes.laws import Kienzle, LinearEdge
 from gcodesim.processes.milling import Milling
 from gcodesim.processes.window import Window
 from gcodesim.tools import TOOLS
-from gcodesim.tools.tool import Holder
+from gcodesim.tools.sections import Holder
 
 STEEL = Kienzle.from_table(2500.0, 0.26)
 ALUMINIUM = LinearEdge.from_table(631.0, 13.0, 99.0, 10.0, 273.0, 2.8)

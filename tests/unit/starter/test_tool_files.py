@@ -4,6 +4,7 @@ import json
 import math
 import zipfile
 
+import numpy as np
 import pytest
 
 from gcodesim.cli.main import main
@@ -106,11 +107,32 @@ def test_a_library_of_fusion(tmp_path, packed):
     assert [tool.number for tool in found.tools] == [3, 4, 5, 6]
     assert tools[3].kind == "chamfer_mill"
     assert (tools[3].angle, tools[3].tip_diameter) == pytest.approx((math.radians(90.0), 1e-3))
-    assert tools[3].holder.length == pytest.approx(50e-3)
-    assert any("widest of its segments" in note for note in notes_of(found, 3))
+    assert np.array(tools[3].holder_frusta) == pytest.approx(
+        np.array([[10e-3, 15e-3, 30e-3, 50e-3], [20e-3, 20e-3, 50e-3, 80e-3]])
+    )
+    assert notes_of(found, 3) == []
     assert notes_of(found, 4) == ["refused: gcodesim knows no `form mill`; `profile_mill` takes its outline"]
     assert (tools[5].diameter, tools[5].corner_radius) == pytest.approx((12.7e-3, 0.03 * 25.4e-3))
     assert tools[6].point_angle == pytest.approx(math.radians(140.0))
+
+
+def test_a_shaft_of_fusion(tmp_path):
+    """A shoulder of 5.6 mm up to 14 mm, 4 mm of cone, and the shaft of 10 mm up to the holder at 30 mm."""
+    geometry = {"DC": 6, "LCF": 9, "LB": 30, "NOF": 3, "SFDM": 10, "shoulder-length": 14, "shoulder-diameter": 5.6}
+    necked = {
+        "type": "flat end mill", "unit": "millimeters", "geometry": geometry, "post-process": {"number": 1},
+        "shaft": {"type": "shaft", "segments": [{"height": 4, "lower-diameter": 5.6, "upper-diameter": 10}]},
+    }  # fmt: skip
+    plain = {**necked, "geometry": {**geometry, "SFDM": 6, "shoulder-length": 9}, "post-process": {"number": 2}}
+    del plain["shaft"]
+    file = tmp_path / "shop.json"
+    file.write_text(json.dumps({"data": [necked, plain]}))
+    tools = tools_of(read_tools(file))
+
+    assert np.array(tools[1].shank_frusta) * 1e3 == pytest.approx(
+        np.array([[2.8, 2.8, 9, 14], [2.8, 5, 14, 18], [5, 5, 18, 30]])
+    )
+    assert tools[2].shank is None
 
 
 def test_tables_of_strangers(tmp_path):
@@ -280,7 +302,7 @@ def test_the_command_prints_keys_and_tells_what_is_refused(tmp_path, capsys):
     out, told = capsys.readouterr()
     assert "  6: {type: drill, " in out
     assert "T4 (ogee): refused: gcodesim knows no `form mill`" in told
-    assert "read 2, approximated 1, refused 1: T4 (ogee): gcodesim knows no `form mill`" in told
+    assert "read 3, approximated 0, refused 1: T4 (ogee): gcodesim knows no `form mill`" in told
 
 
 def test_the_command_writes_the_same_file_again(tmp_path, capsys):
@@ -296,7 +318,7 @@ def test_the_command_writes_the_same_file_again(tmp_path, capsys):
     assert (tmp_path / "one.yaml").read_bytes() == (tmp_path / "two.yaml").read_bytes()
     assert "tools:\n" in (tmp_path / "one.yaml").read_text()
     out = capsys.readouterr().out
-    assert "read 2, approximated 1, refused 1" in out and "tools:" not in out
+    assert "read 3, approximated 0, refused 1" in out and "tools:" not in out
 
     assert main(["import", "tools", str(table)]) == 1
     out, told = capsys.readouterr()

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from gcodesim.tools import TOOLS
-from gcodesim.tools.tool import Holder
+from gcodesim.tools.sections import Holder
 
 D = 8.0e-3
 KINDS = {
@@ -52,15 +52,15 @@ def test_shapes_stand_on_each_other():
     )
 
     assert tool.cutting_shape[-2:] == pytest.approx([0.0, 20e-3])
-    assert tool.shank_shape[-2:] == pytest.approx([20e-3, 60e-3])
-    assert tool.holder_shape[-2:] == pytest.approx([60e-3, 110e-3])
+    assert [tuple(part) for part in tool.shank_frusta] == [pytest.approx((4e-3, 4e-3, 20e-3, 60e-3))]
+    assert [tuple(part) for part in tool.holder_frusta] == [pytest.approx((20e-3, 20e-3, 60e-3, 110e-3))]
     assert tool.true_length == pytest.approx(110e-3)
     assert tool.X_FT.p == pytest.approx([0.0, 0.0, 110e-3])
     assert np.array_equal(tool.X_FT.R, np.eye(3))
 
 
 def test_no_shank_without_unfluted_length():
-    assert TOOLS["flat_end_mill"](diameter=D).shank_shape is None
+    assert TOOLS["flat_end_mill"](diameter=D).shank_frusta == ()
 
 
 @pytest.mark.parametrize(

@@ -9,8 +9,8 @@ import pytest
 
 from gcodesim.solids import Cylinder
 from gcodesim.tools.flat_end_mill import FlatEndMill
+from gcodesim.tools.sections import Holder
 from gcodesim.tools.tcp import Tcp
-from gcodesim.tools.tool import Holder
 from gcodesim.world import RobotBody, tool_body
 from tests.unit.world import machines
 
