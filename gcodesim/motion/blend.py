@@ -61,6 +61,7 @@ def blend(
     own_time: Array | None = None,
     even: bool = False,
     sampled: bool = True,
+    early: bool = False,
 ) -> Pieces:
     """Join the rows of `path` under the `limits` of the axes.
 
@@ -71,6 +72,7 @@ def blend(
     events keep their places. `even`: rows that overlap do so at one speed, as a
     law of time with bounded jerk needs it. `sampled`: as by a control that
     runs no piece in less than one of its cycles, and what is too short for that together with the corner behind it.
+    `early`: where rows overlap, the second may have its speed before the first stands, as it has in LinuxCNC.
     """
     curves = Curves.of(path)
     if own_time is not None:
@@ -95,7 +97,7 @@ def blend(
     feeding, timed = np.isfinite(path.feed[row_first]), curves.kind >= TIMED
     apart[:-1] = (feeding[1:] != feeding[:-1]) | timed[1:] | timed[:-1]
     return _join(
-        path, limits, curves, stop, apart, row_first.astype(np.int32), row_last.astype(np.int32), even, sampled
+        path, limits, curves, stop, apart, row_first.astype(np.int32), row_last.astype(np.int32), sampled, even, early
     )
 
 
@@ -258,8 +260,9 @@ def _join(
     apart: NDArray[np.bool_],
     row_first: NDArray[np.int32],
     row_last: NDArray[np.int32],
-    even: bool,
     sampled: bool,
+    even: bool,
+    early: bool,
 ) -> Pieces:
     n = len(curves)
     tangents = Tangents(*curves.end_tangents())
@@ -279,6 +282,7 @@ def _join(
         acceleration=np.zeros(n),
         arc=np.zeros((n, 10)),
         ratio=np.ones(n),
+        rise=np.ones(n),
         duration=np.zeros(n),
     )
     tolerance = path.tolerance[row_last]
@@ -302,7 +306,7 @@ def _join(
     acceleration = acceleration * (1.0 - joints.reduction) * np.where(shared, OPEN_END_SHARE, 1.0)
     if overlapped.any():
         left = curves.length - joints.trim_start - joints.trim_end
-        overlaps(left, speed, acceleration, tolerance, even, tangents, joints)
+        overlaps(left, speed, acceleration, tolerance, even, early and not even, tangents, limits.arrays, joints)
     return _assemble(path, limits, curves, joints, speed, acceleration, row_first, row_last, sampled)
 
 
@@ -325,7 +329,7 @@ def _assemble(
     columns: dict[str, Column] = {
         name: np.zeros(slots) for name in ("begin", "length", "speed", "acceleration", "junction")
     }
-    columns["ratio"] = np.ones(slots)
+    columns["ratio"], columns["rise"] = np.ones((2, slots))
     names = ("curve", "second", "row_first", "row_last")
     whole: dict[str, Column] = {name: np.full(slots, -1, dtype=np.int32) for name in names}
     piece_kind = np.full(slots, PART, dtype=np.uint8)
@@ -349,7 +353,7 @@ def _assemble(
             whole["curve"][at], whole["second"][at] = those, those + 1
             columns["begin"][at] = curves.length[those] - joints.trim_end[those]
             columns["length"][at] = joints.cap[those] * joints.duration[those]
-            columns["ratio"][at] = joints.ratio[those]
+            columns["ratio"][at], columns["rise"][at] = joints.ratio[those], joints.rise[those]
         else:
             whole["curve"][at] = n + np.arange(len(those))
             columns["length"][at] = bends.length

@@ -68,7 +68,8 @@ class JointColumns(NamedTuple):
     `trim_start`, in the next curve's row, behind its start. `cap` is the greatest speed there [m/s] and `reduction` the
     share of a curve's acceleration that a kink takes. Of a corner arc: what its plane allows as `acceleration`, and
     `arc` (c, 10), its centre, the radius vectors at its start and a quarter turn on, and its angle. Of an overlap: its
-    `duration` [s], and the `ratio` of the speeds behind and before.
+    `duration` [s], the `ratio` of the speeds behind and before, and the `rise`, the share of the time after which the
+    curve behind has that speed.
     """
 
     kind: Column
@@ -79,6 +80,7 @@ class JointColumns(NamedTuple):
     acceleration: Column
     arc: Column
     ratio: Column
+    rise: Column
     duration: Column
 
 
@@ -363,7 +365,9 @@ def overlaps(
     acceleration: Column,
     tolerance: Column,
     even: bool,
+    early: bool,
     tangents: Tangents,
+    axis_limits: Column,
     joints: JointColumns,
 ) -> None:
     """Fill in the joints where the end of a curve overlaps with the start of the next; `even`: both equally fast.
@@ -371,7 +375,9 @@ def overlaps(
     `left` is what corner arcs leave of each curve, `acceleration` already the
     share that such blocks have. Both ramps last T; the corner is missed by
     v² cos t / (4 a), with half included angle t, which P limits. Where the tip stands in one of the two curves and only
-    rotary axes turn, no corner is missed.
+    rotary axes turn, no corner is missed. If it goes `early`, the curve behind has all of its acceleration, whatever P
+    says, and goes on at its speed as soon as it has that (`tpUpdateBlend` in tp.c: it sets what only blocks that wait
+    for the spindle look at).
     """
     first, last = tangents
     for i in range(len(left) - 1):
@@ -393,6 +399,8 @@ def overlaps(
                 most = 2.0 * math.sqrt(a1 * tolerance[i] / sharp)
                 v1, v2 = min(v1, most), min(v2, most)
         ramp = v1 / a1
+        if early:
+            v2 = min(speed[i + 1], math.sqrt(a2 * left[i + 1]))
         v2 = min(v2, a2 * ramp)
         if even:
             v1 = min(v1, v2)
@@ -402,4 +410,9 @@ def overlaps(
         joints.cap[i] = v1
         joints.ratio[i] = v2 / v1
         joints.trim_end[i] = 0.5 * v1 * ramp
-        joints.trim_start[i + 1] = 0.5 * v2 * ramp
+        joints.rise[i] = v2 / (a2 * ramp) if early else 1.0
+        for k in range(6):  # an axis that goes on in its direction must not have more than its speed by both
+            before, behind = abs(last[i, k]) * v1, abs(first[i + 1, k]) * v2
+            if last[i, k] * first[i + 1, k] > 0.0 and before > 1e-12:
+                joints.rise[i] = min(max(joints.rise[i], 1.0 - (axis_limits[SPEED, k] - behind) / before), 1.0)
+        joints.trim_start[i + 1] = v2 * ramp * (1.0 - 0.5 * joints.rise[i])

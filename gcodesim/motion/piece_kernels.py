@@ -23,6 +23,7 @@ class PieceColumns(NamedTuple):
     begin: Column
     length: Column
     ratio: Column
+    rise: Column
     axis_limits: Column
 
 
@@ -37,22 +38,25 @@ def piece_point(
     spare: Column,
 ) -> None:
     """Write position (6,) and derivative by s (6,) of piece `i` at `s`; `spare` (2, 6) is overwritten."""
-    kind, curve, second, begin, length, ratio, axis_limits = pieces
+    kind, curve, second, begin, length, ratio, rise, axis_limits = pieces
     a = curve[i]
     if kind[i] != OVERLAP:
         curve_point(a, begin[i] + s, curves, axis_limits, position, tangent)
         return
     b = second[i]
     u = s / length[i]
-    # tau = u T; first curve: v1 (tau - tau²/2T), second: ratio v1 tau²/2T; length = v1 T
+    # tau = u T; first curve: v1 (tau - tau²/2T), second: ratio v1 tau²/(2 rise T) up to rise T; length = v1 T
     s1 = begin[i] + length[i] * u * (1.0 - 0.5 * u)
-    s2 = 0.5 * ratio[i] * length[i] * u * u
+    if u < rise[i]:
+        s2, rate = 0.5 * ratio[i] * length[i] * u * u / rise[i], ratio[i] * u / rise[i]
+    else:
+        s2, rate = ratio[i] * length[i] * (u - 0.5 * rise[i]), ratio[i]
     curve_point(a, s1, curves, axis_limits, position, tangent)
     curve_point(b, s2, curves, axis_limits, spare[0], spare[1])
     start = curves.start
     for k in range(6):
         position[k] += spare[0, k] - start[b, k]
-        tangent[k] = tangent[k] * (1.0 - u) + spare[1, k] * ratio[i] * u
+        tangent[k] = tangent[k] * (1.0 - u) + spare[1, k] * rate
 
 
 @kernel(lean=True)

@@ -45,8 +45,8 @@ class Pieces:
 
     A PART runs curve `curve` from `begin` to ``begin + length``. In an
     OVERLAP `curve` slows evenly from speed v1 = `speed` to rest while `second`
-    starts evenly up to speed `ratio` v1; its s is v1 t, and it is run at
-    constant ds/dt. `speed`, `acceleration` are the caps along the piece,
+    starts evenly up to speed `ratio` v1, which it has after the share `rise` of
+    the time; its s is v1 t, and it is run at constant ds/dt. `speed`, `acceleration` are the caps along the piece,
     `junction` the cap on its end speed; the next piece starts with `ratio`
     times the end speed of this one. Where `fixed`, s is time itself. Rows
     `row_first` to `row_last` are the rows that the piece represents; a `joint` (corner
@@ -66,6 +66,7 @@ class Pieces:
     acceleration: Array
     junction: Array
     ratio: Array
+    rise: Array
     fixed: NDArray[np.bool_]
     joint: NDArray[np.bool_]
     ramped: NDArray[np.bool_]
@@ -94,6 +95,7 @@ class Pieces:
             self.begin,
             self.length,
             self.ratio,
+            self.rise,
             self.limits.arrays,
         )
 
@@ -124,6 +126,6 @@ class Pieces:
         no = np.zeros(1, dtype=bool)
         kind = np.zeros(1, dtype=np.uint8)
         return Pieces(
-            self.path, self.limits, curves, kind, one, one - 1, none, none, none, none, none, none + 1.0, no, no,
-            no, one, one,
+            self.path, self.limits, curves, kind, one, one - 1, none, none, none, none, none, none + 1.0,
+            none + 1.0, no, no, no, one, one,
         )  # fmt: skip

@@ -116,7 +116,7 @@ class AxisPosing:
         printed = is_printed(path)
         if printed:
             path = without_blending(path)
-        pieces = blend(path, limits, independent_rapids=self.independent_rapids, sampled=not printed)
+        pieces = blend(path, limits, independent_rapids=self.independent_rapids, sampled=not printed, early=not printed)
         if printed:
             pieces = as_printed(pieces)
         report_bent_rapids(pieces, findings)

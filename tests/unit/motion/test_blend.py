@@ -31,6 +31,11 @@ def line(x: float, y: float = 0.0, z: float = 0.0, a: float = 0.0, feed: float =
     return LinearFeed(span=at(), end=(x, y, z, a, 0.0, 0.0), feed=feed)
 
 
+def turn(a: float, b: float, feed: float) -> LinearFeed:
+    """A and B [rad] to there, in the feed [rad/s] of both together."""
+    return LinearFeed(span=at(), end=(0.0, 0.0, 0.0, a, b, 0.0), feed=feed)
+
+
 def rapid(x: float, y: float = 0.0, z: float = 0.0) -> Rapid:
     return Rapid(span=at(), end=(x, y, z, 0.0, 0.0, 0.0))
 
@@ -213,6 +218,33 @@ def test_rotary_moves_overlap_in_g64_and_stand_in_g61() -> None:
     exact = joined(mode("exact_path"), *events)
     assert exact.junction.tolist() == [0.0, 0.0]
     assert exact.kind.tolist() == [0, 0]
+
+
+def test_the_second_of_two_that_overlap_goes_on_at_its_speed() -> None:
+    """A slows from 1 rad/s by 5 rad/s² in 0.2 s; B has 0.25 rad/s after 0.05 s and so goes 0.04375 rad meanwhile."""
+    events = (turn(1.0, 0.0, 1.0), turn(1.0, 1.0, 0.25))
+    path = build_tool_path((mode("blend"), *events))
+
+    early, even = (blend(path, LIMITS, early=early) for early in (True, False))
+
+    lap = np.flatnonzero(early.kind == OVERLAP)[0]
+    assert (early.ratio[lap], early.rise[lap]) == pytest.approx((0.25, 0.25))
+    places, slopes = early.points(np.array([lap] * 3), np.array([0.125, 0.25, 1.0]) * early.length[lap])
+    assert places[:, 4] == pytest.approx([0.5 * 5.0 * 0.025**2, 0.5 * 5.0 * 0.05**2, 0.25 * 0.175])
+    assert slopes[:, 4] == pytest.approx([0.125, 0.25, 0.25])
+    assert time_law(early).duration == pytest.approx(1.0 + 0.05 + 1.0 / 0.25)  # A until it slows, then B
+    assert time_law(even).duration - time_law(early).duration == pytest.approx(0.5 * (0.2 - 0.05))
+
+
+def test_an_axis_that_goes_on_has_no_more_than_its_speed_by_both_blocks() -> None:
+    """A is at its 3 rad/s and slows by 10/9 rad/s², as B brakes along; then A alone, which would be fast too soon."""
+    limits = AxisLimits(speed=np.full(6, 3.0), acceleration=np.array([3.0, 3.0, 2.0, 10.0, 10.0 / 4.5, 10.0]))
+    path = build_tool_path((mode("blend"), turn(10.0, 10.0, 9.0), turn(20.0, 10.0, 9.0)))
+
+    trajectory = time_law(blend(path, limits, early=True))
+    speed = trajectory.sample(np.linspace(0.0, trajectory.duration, 4000)).velocity[:, 3]
+
+    assert speed.max() == pytest.approx(3.0, rel=1e-9)
 
 
 def test_chords_within_tolerance_become_one_line() -> None:
