@@ -22,7 +22,7 @@ from gcodesim.arithmetic.matrices import applied, norms
 from gcodesim.frozen import frozen
 from gcodesim.material.field_kernels import PATCH, Columns, Field, Grid
 from gcodesim.material.sweep_kernels import Shape
-from gcodesim.material.wall_kernels import HUNG, WALL_PLANES
+from gcodesim.material.wall_kernels import HEIGHT, HUNG, LOWER, PLACE, SAME_HEIGHT, SECOND, WALL_PLANES
 
 if TYPE_CHECKING:
     from gcodesim.material.axis_way import AxisWay
@@ -96,6 +96,7 @@ class Stock:
     `lattice`; `exact` makes those of the stock as it was at the start, where its shape is known.
     `turn` (3, 3) is nearly always the identity: axes of the frame in which the columns stand, seen from the part's
     own frame, when the part was laid on another side (`turning`). All points are in the frame of the columns.
+    `first_walls` are those at the start, of a stock that was cut before.
     `doses` is what beams have given each column per area, (nx, ny), by the name of what is meant.
     `parting` looks in a run for pieces that come loose.
     """
@@ -104,6 +105,7 @@ class Stock:
         "doses",
         "exact",
         "field",
+        "first_walls",
         "lattice",
         "material",
         "original",
@@ -133,6 +135,7 @@ class Stock:
         self.exact: Exact | None = None
         self.doses: dict[str, Array] = {}
         self.original = original if original is not None else _copied(columns)
+        self.first_walls: Singles | None = None
         nx, ny = columns.number.shape
         patches = (-(-nx // PATCH), -(-ny // PATCH))
         self.field = Field(
@@ -310,7 +313,24 @@ class Stock:
         change = np.zeros(columns.number.shape)
         if changes(columns, self.original, change) == 0.0:
             return 0.0
-        return float(error_bound(self.field, change))
+        return float(error_bound(self.field._replace(walls=self._new_walls()), change))
+
+    def _new_walls(self) -> Singles:
+        """The walls without what of them stood at the start, since that is on both sides of the change.
+
+        Walls that are gone count as steps: where others cross them their corners are not known.
+        """
+        walls, first = self.field.walls, self.first_walls
+        if first is None or first.shape != walls.shape:
+            return walls
+        new = walls.copy()
+        for axis in range(2):
+            for place, size in ((PLACE + axis, HEIGHT + axis), (SECOND + axis, LOWER + axis)):
+                kept = walls[place] == first[place]
+                new[size] = np.where(kept, np.maximum(walls[size] - first[size], 0.0), walls[size])
+            gone = (new[HEIGHT + axis] <= SAME_HEIGHT) & (new[LOWER + axis] <= SAME_HEIGHT)
+            new[PLACE + axis] = np.where(gone, 0.0, walls[PLACE + axis])
+        return new
 
     def copy(self) -> Stock:
         """An independent stock in the same state."""
@@ -324,6 +344,7 @@ class Stock:
         )
         twin.field.dirty[:] = self.field.dirty
         twin.set_walls(self.field.walls.copy())
+        twin.first_walls = self.first_walls
         twin.turn, twin.exact = self.turn.copy(), self.exact
         twin.doses = {name: dose.copy() for name, dose in self.doses.items()}
         twin.lattice = None if self.lattice is None else self.lattice.copy()
@@ -345,6 +366,11 @@ class Stock:
     def set_walls(self, walls: Singles) -> None:
         """Give it the walls at the borders of its columns; more planes where it was turned over (`wall_kernels`)."""
         self.field = self.field._replace(walls=np.ascontiguousarray(walls))
+
+    def begin_with(self, walls: Singles) -> None:
+        """Give it walls that stand at the start, since it was cut before."""
+        self.set_walls(walls)
+        self.first_walls = walls.copy() if walls.any() else None
 
     def grow(self) -> None:
         """Make room for more intervals in every column."""

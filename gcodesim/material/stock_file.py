@@ -148,7 +148,7 @@ def stock_from_bytes(raw: bytes, name: str) -> Stock:
     if grid.shape != (4,) or turn.shape != (3, 3) or not fits:
         raise StockFileError(f"{name} is damaged: its parts do not fit together")
     stock = Stock(columns=columns, grid=Grid(*grid.tolist()), z_range=z_range, resolution=resolution, material=material)
-    stock.set_walls(walls)
+    stock.begin_with(walls)
     stock.turn = turn
     if len(fields) == 2:
         stock.lattice = Lattice(fields, (own_columns(fields[0]), own_columns(fields[1])), offset)

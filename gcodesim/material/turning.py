@@ -54,7 +54,7 @@ def turned(stock: Stock, R: Array) -> Stock:
         done, rest = _flat(done, _QUARTER), multiplied(rest, _QUARTER.T)
     if rest[2, 0] != 0.0:
         laid = on_edge(done)
-        laid.set_walls(walls_on_edge(done, laid))
+        laid.begin_with(walls_on_edge(done, laid))
         done, rest = laid, multiplied(rest, _ON_EDGE.T)
     done = _flat(done, rest)
     done.turn = multiplied(stock.turn, whole.T)
@@ -126,7 +126,7 @@ def _like(
         material=stock.material,
     )
     if walls is not None:
-        made.set_walls(walls)
+        made.begin_with(walls)
     return made
 
 

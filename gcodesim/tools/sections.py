@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 @frozen
-class RoundSection:
+class StackedSection:
     """A cylinder, or a cone from `diameter` at its lower end to `upper_diameter`; lengths [m]."""
 
     diameter: float = key("length", "diameter at its lower end", example="32 mm")
@@ -31,20 +31,20 @@ class RoundSection:
         return self.diameter if self.upper_diameter is None else self.upper_diameter
 
 
-_ABOVE = ListOf(Record(RoundSection, "a section"))
+_ABOVE = ListOf(Record(StackedSection, "a section"))
 _ABOVE_DOC = "further sections above it, each with `diameter`, `upper_diameter`, `length`"
 
 
 @frozen
-class Holder(RoundSection):
+class Holder(StackedSection):
     """What grips a tool, from the tool up: one section, or several with those `above`."""
 
     diameter: float = key("length", "diameter of the holder, of a cone at its lower end", example="32 mm")
     length: float = key("length", "height of the holder, from the spindle nose or flange to the tool", example="60 mm")
-    above: tuple[RoundSection, ...] = key(_ABOVE, _ABOVE_DOC, default=(), quiet=True)
+    above: tuple[StackedSection, ...] = key(_ABOVE, _ABOVE_DOC, default=(), quiet=True)
 
     @property
-    def sections(self) -> tuple[RoundSection, ...]:
+    def sections(self) -> tuple[StackedSection, ...]:
         """All of it from the tool up."""
         return (self, *self.above)
 
@@ -63,15 +63,15 @@ class Shank:
         "length", "at its upper end, where it is a cone", default=None, rule="as `diameter`", example="10 mm"
     )
     length: float | None = key("length", "its height", default=None, rule="up to the holder", example="20 mm")
-    above: tuple[RoundSection, ...] = key(_ABOVE, _ABOVE_DOC, default=(), quiet=True)
+    above: tuple[StackedSection, ...] = key(_ABOVE, _ABOVE_DOC, default=(), quiet=True)
 
-    def sections(self, room: float) -> tuple[RoundSection, ...]:
+    def sections(self, room: float) -> tuple[StackedSection, ...]:
         """All of it from the edges up; the last diameter goes on up to the holder, `room` [m] above the edges."""
         first = room if self.length is None else self.length
-        found = [RoundSection(diameter=self.diameter, upper_diameter=self.upper_diameter, length=first), *self.above]
+        found = [StackedSection(diameter=self.diameter, upper_diameter=self.upper_diameter, length=first), *self.above]
         left = room - sum(section.length for section in found)
         if left > 1e-9:
-            found.append(RoundSection(diameter=found[-1].upper, length=left))
+            found.append(StackedSection(diameter=found[-1].upper, length=left))
         return tuple(found)
 
     @property
@@ -89,7 +89,7 @@ class Frustum(NamedTuple):
     top: float
 
 
-def stacked(sections: Iterable[RoundSection], bottom: float) -> tuple[Frustum, ...]:
+def stacked(sections: Iterable[StackedSection], bottom: float) -> tuple[Frustum, ...]:
     """Sections one above the other from the height `bottom` [m] above the tip on."""
     found: list[Frustum] = []
     for section in sections:
@@ -114,7 +114,7 @@ def shapes_of(frusta: Iterable[Frustum]) -> tuple[Shape, ...]:
     return tuple(shape for part in frusta for shape in frustum(*part))
 
 
-def sizes_of(name: str, sections: Iterable[RoundSection]) -> Iterator[tuple[str, float]]:
+def sizes_of(name: str, sections: Iterable[StackedSection]) -> Iterator[tuple[str, float]]:
     """The sizes of the parts of `name` that only make sense above zero, by their keys."""
     for number, section in enumerate(sections):
         at = f"{name}." if number == 0 else f"{name}.above.{number - 1}."

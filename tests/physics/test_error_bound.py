@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from gcodesim.material import Stock, shape
+from gcodesim.material.stock_file import load_stock, save_stock
 
 MM, MM3 = 1e-3, 1e-9
 Cut = Callable[[Stock], float]
@@ -202,3 +204,53 @@ def test_a_straight_wall_is_exact_and_says_so() -> None:
 
     error = abs(60_000 - stock.volume / MM3 - 1920)
     assert error <= stock.error_bound() / MM3 < 1e-3
+
+
+def handed_on(stock: Stock, folder: Path) -> Stock:
+    save_stock(stock, folder / "part.stock")
+    return load_stock(folder / "part.stock")
+
+
+@pytest.mark.parametrize("turned", [0.0, 90.0])
+def test_walls_of_an_earlier_run_are_no_error_of_this_one(tmp_path: Path, turned: float) -> None:
+    """A slot far from what was cut before has the bound that it has alone, whatever its way on the grid."""
+    both, alone = (Stock.box((0, 0, -15 * MM), (80 * MM, 50 * MM, 0), 0.43 * MM) for _ in range(2))
+    slot(14.0, 6.0, 3.0, 20.0)(both)
+    both = handed_on(both, tmp_path)
+    for stock in (both, alone):
+        angle = math.radians(turned + 7.0)
+        way = np.array([[70.0, 40.0, -4.0], [70.0 + 6 * math.cos(angle), 40.0 + 6 * math.sin(angle), -4.0]])
+        cut(stock, way, shape.flat(5 * MM, 30 * MM))
+
+    assert both.error_bound() == pytest.approx(alone.error_bound(), rel=1e-9) and alone.error_bound() > 0.0
+
+
+@pytest.mark.parametrize("angle", [0.0, 11.0, 38.0, 90.0])
+@pytest.mark.parametrize("aside", [0.0, 2.3])
+def test_the_bound_holds_where_an_earlier_run_has_cut(tmp_path: Path, angle: float, aside: float) -> None:
+    """A slot from side to side is cut 2 mm deeper, or wider: no more than the bound off."""
+    u = np.array([math.cos(math.radians(angle)), math.sin(math.radians(angle))])
+    n = np.array([-u[1], u[0]])
+    for resolution in (0.31, 0.47):
+        stock = Stock.box((-20 * MM, -20 * MM, -15 * MM), (20 * MM, 20 * MM, 0), resolution * MM)
+        tool = shape.flat(6 * MM, 30 * MM)
+        cut(stock, [[*(-60 * u), -3.0], [*(60 * u), -3.0]], tool)
+        stock = handed_on(stock, tmp_path)
+        before = stock.volume
+        cut(stock, [[*(aside * n - 60 * u), -5.0], [*(aside * n + 60 * u), -5.0]], tool)
+        exact = 2.0 * strip(u, aside - 3.0, aside + 3.0) + 3.0 * strip(u, 3.0, aside + 3.0)
+
+        error, bound = abs((before - stock.volume) / MM3 - exact), stock.error_bound() / MM3
+        assert error <= bound <= (0.1 if aside else 0.01) * exact  # a wall that is gone is a step of any place
+
+
+def strip(u: np.ndarray, low: float, high: float) -> float:
+    """Area [mm²] of a square of 40 mm about the origin within a strip along `u` from `low` to `high` to its left."""
+    s = np.linspace(low, high, 20_001)
+    s = 0.5 * (s[:-1] + s[1:])
+    ends = np.full((2, len(s)), [[-np.inf], [np.inf]])
+    for way, side in zip(u, (-u[1], u[0]), strict=True):  # the point at t along u: s n + t u within the square
+        if abs(way) > 1e-12:
+            a, b = sorted(((-20 - s * side) / way, (20 - s * side) / way), key=lambda t: float(t[0]))
+            ends[0], ends[1] = np.maximum(ends[0], a), np.minimum(ends[1], b)
+    return float(np.maximum(ends[1] - ends[0], 0.0).sum() * (high - low) / len(s)) if high > low else 0.0

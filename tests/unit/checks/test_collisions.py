@@ -14,7 +14,7 @@ from gcodesim.frames import Pose, rotation_from_rpy
 from gcodesim.solids import Box, Cylinder, Mesh, Placed, Point
 from gcodesim.tools.ball_end_mill import BallEndMill
 from gcodesim.tools.flat_end_mill import FlatEndMill
-from gcodesim.tools.sections import Holder, RoundSection
+from gcodesim.tools.sections import Holder, StackedSection
 
 UP = np.array([[0.0, 0.0, 1.0]])
 
@@ -102,7 +102,9 @@ def test_the_holder_is_named_when_it_is_the_holder() -> None:
 def test_a_collar_above_a_slim_nose_is_no_hull() -> None:
     """A cone from 10 to 20 mm radius over 30 mm, then a collar of 30 mm: beside a wall that ends 15 mm above the nose
     the cone reaches 15 mm there, the hull of both 20 mm, and at the nose itself the collar reaches nothing."""
-    holder = Holder(diameter=0.02, upper_diameter=0.04, length=0.03, above=(RoundSection(diameter=0.06, length=0.01),))
+    holder = Holder(
+        diameter=0.02, upper_diameter=0.04, length=0.03, above=(StackedSection(diameter=0.06, length=0.01),)
+    )
     tool = ToolParts.of(FlatEndMill(number=2, diameter=0.006, length=0.02, holder=holder))
     wall = box("wall", (0.0, -0.1, 0.0), (0.01, 0.1, 0.035))
 

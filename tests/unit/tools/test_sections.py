@@ -11,7 +11,7 @@ from gcodesim.processes.cutter_load import sections_of
 from gcodesim.processes.tool_bending import MODULI, tip_compliance
 from gcodesim.tools.body import STEEL_DENSITY
 from gcodesim.tools.flat_end_mill import FlatEndMill
-from gcodesim.tools.sections import Holder, RoundSection, Shank
+from gcodesim.tools.sections import Holder, Shank, StackedSection
 from gcodesim.units import MM
 from tests.unit.cell.text import loaded, sound
 
@@ -74,7 +74,7 @@ def test_a_conical_shank_bends_as_the_integral_says() -> None:
 
 def test_the_mass_is_that_of_all_sections() -> None:
     holder = Holder(
-        diameter=20e-3, upper_diameter=30e-3, length=25e-3, above=(RoundSection(diameter=44e-3, length=12e-3),)
+        diameter=20e-3, upper_diameter=30e-3, length=25e-3, above=(StackedSection(diameter=44e-3, length=12e-3),)
     )
     bare, held = FlatEndMill(diameter=6e-3, length=40e-3), FlatEndMill(diameter=6e-3, length=40e-3, holder=holder)
 
