@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from gcodesim.frames import Array
 from gcodesim.frozen import frozen
 from gcodesim.motion.blend_kernels import CYCLE
-from gcodesim.motion.look_ahead import LookAhead, queue_of
+from gcodesim.motion.look_ahead import LookAhead, known_of_last, queue_of
 from gcodesim.motion.pieces import Pieces
 from gcodesim.motion.sight_kernels import SeenCaps, within_sight
 from gcodesim.motion.standing import Standstill
@@ -96,6 +96,14 @@ def time_law(
 def _within_sight(caps: Caps, pieces: Pieces, look_ahead: LookAhead) -> Caps:
     """`caps` for a control that knows no more than some pieces of the way ahead."""
     count = len(pieces)
+    if look_ahead.corners_count and caps.soft is None and count > 1:
+        pieces_before, most = known_of_last(
+            pieces, caps.piece, 2.0 * np.minimum(caps.acceleration, NO_CAP) * caps.length
+        )
+        at = np.searchsorted(caps.piece, pieces_before, side="right") - 1
+        lowered = caps.junction.copy()
+        lowered[at] = np.minimum(lowered[at], most)
+        caps = replace(caps, junction=lowered)
     if count <= look_ahead.blocks + 1:
         return caps
     last = np.searchsorted(caps.piece, np.arange(count), side="right") - 1

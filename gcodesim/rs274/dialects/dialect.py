@@ -83,7 +83,7 @@ class Dialect:
     work, goes on. `rapids_stand`: a rapid move ends at rest, whatever the path control (FANUC, B-63944EN, 4.1: it is
     decelerated at the end of its block, and the next one begins when it is in position). `look_ahead` is how many
     blocks the control knows behind the one that runs; None: without end, or not known. `corners_count`: arcs that it
-    puts into corners are blocks too.
+    puts into corners are blocks too, and of the last one before a stop it counts on half (LinuxCNC).
     """
 
     name: str

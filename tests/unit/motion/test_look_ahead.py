@@ -78,10 +78,28 @@ def test_a_straight_line_in_blocks_has_the_speed_of_its_closed_form() -> None:
     seen = run(program, machine, LINUXCNC)
 
     assert run(program, machine, None).sample(np.array([0.1])).speed[0] == pytest.approx(0.1 / 1.02, rel=0.05)
-    assert seen.duration == run(program, machine, LookAhead(blocks=100)).duration  # a cycle for each block is the limit
+    further = LookAhead(blocks=100, corners_count=True)
+    assert seen.duration == run(program, machine, further).duration  # a cycle for each block is the limit
     shorter = run(program, machine, LookAhead(blocks=5))
     assert shorter.sample(np.array([0.5 * shorter.duration])).speed.max() <= math.sqrt(2.0 * 4.0 * 6.5e-4)
     assert shorter.sample(np.array([0.5 * shorter.duration])).speed.max() >= math.sqrt(2.0 * 4.0 * 5.5e-4)
+
+
+@pytest.mark.parametrize("control", ["G61", "G64 P0.01 Q0.000001"])
+def test_half_of_the_last_block_before_a_stop_is_not_counted_on(control: str) -> None:
+    """It may be entered no faster than sqrt(a d) (`tpRunOptimization` in tp.c), also before a dwell; grbl takes all."""
+    blocks = ["G1 X30 F6000", "X31 Y0.0001", "G4 P0.1", "G1 X61", "X62 Y0.0002"]
+    program = "\n".join(["G21 G90 G94 G17 G40 " + control, *blocks, "M2", ""])
+    share = 0.5 if control[:3] == "G64" else 1.0  # a block that ends in G64 has half of its acceleration
+
+    linuxcnc = run(program, limits(3.0, 3.0, 3.0), LINUXCNC)
+    grbl = run(program, limits(3.0, 3.0, 3.0), LookAhead(blocks=50))
+
+    ends = linuxcnc.row_end[[0, 2]] - 1e-9
+    assert linuxcnc.sample(ends).speed == pytest.approx([math.sqrt(share * 3.0 * 1e-3)] * 2, rel=0.01)
+    assert grbl.sample(grbl.row_end[[0, 2]] - 1e-9).speed == pytest.approx(
+        [math.sqrt(share * 6.0 * 1e-3)] * 2, rel=0.01
+    )
 
 
 def test_the_queue_agrees_with_a_slow_twin() -> None:

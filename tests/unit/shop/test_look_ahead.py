@@ -59,4 +59,6 @@ def test_a_program_of_short_blocks_takes_longer_where_few_are_known() -> None:
         assert job.plan is not None
         times.append(job.plan.trajectory.duration)
     assert times[0] == pytest.approx(0.1 / 0.081, rel=0.06)
-    assert times[1] == times[2] == pytest.approx(0.1 / 0.196 + 0.196 / 3.0, rel=0.02)
+    assert times[2] == pytest.approx(0.1 / 0.196 + 0.196 / 3.0, rel=0.02)
+    # LinuxCNC comes to the last block at 0.024 m/s, as if it were half as long, and not at 0.035
+    assert times[1] - times[2] == pytest.approx(0.0032, abs=0.0005)
