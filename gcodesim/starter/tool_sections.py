@@ -20,10 +20,19 @@ class _Part(NamedTuple):
 
 
 def fusion_holder(entry: Json, keys: ToolKeys) -> None:
-    """The `holder` from the segments of Fusion, which go from the tool up."""
-    parts = _segments(entry.get("holder"))
-    if parts:
-        keys.found["holder"] = _stack(parts, keys.unit)
+    """The `holder` from the segments of Fusion, which go from the tool up, in the holder's own unit.
+
+    What is above its gauge length is inside of the spindle.
+    """
+    holder = entry.get("holder")
+    parts = _segments(holder)
+    if not parts or not isinstance(holder, dict):
+        return
+    word, gauge = str(holder.get("unit") or ""), number_of(holder.get("gaugeLength")) or 0.0
+    unit = "in" if word.startswith("inch") else "mm" if word.startswith("mill") else keys.unit
+    if gauge > _LEAST:
+        parts = _cut_off(parts, gauge)
+    keys.found["holder"] = _stack(parts, unit)
 
 
 def fusion_shank(entry: Json, geometry: Json, keys: ToolKeys) -> None:

@@ -116,6 +116,23 @@ def test_a_library_of_fusion(tmp_path, packed):
     assert tools[6].point_angle == pytest.approx(math.radians(140.0))
 
 
+def test_a_holder_of_fusion_has_its_own_unit_and_ends_at_its_gauge_line(tmp_path):
+    """In inches on a tool in mm: 1 in of cone, 1 in of collar up to the gauge line; the taper is in the spindle."""
+    segments = [
+        {"height": 1, "lower-diameter": 1, "upper-diameter": 1.5},
+        {"height": 1.25, "lower-diameter": 2, "upper-diameter": 2},
+        {"height": 2, "lower-diameter": 1.75, "upper-diameter": 1},
+    ]
+    holder = {"unit": "inches", "gaugeLength": 2, "segments": segments}
+    file = tmp_path / "shop.json"
+    file.write_text(json.dumps({"data": [{**CHAMFER, "holder": holder}]}))
+    tool = tools_of(read_tools(file))[3]
+
+    assert np.array(tool.holder_frusta) * 1e3 == pytest.approx(
+        np.array([[12.7, 19.05, 30, 55.4], [25.4, 25.4, 55.4, 80.8]])
+    )
+
+
 def test_a_shaft_of_fusion(tmp_path):
     """A shoulder of 5.6 mm up to 14 mm, 4 mm of cone, and the shaft of 10 mm up to the holder at 30 mm."""
     geometry = {"DC": 6, "LCF": 9, "LB": 30, "NOF": 3, "SFDM": 10, "shoulder-length": 14, "shoulder-diameter": 5.6}
