@@ -20,6 +20,8 @@ Array = NDArray[np.float64]
 
 LEAST: Final = 0.01
 """[s] for which a beam may be on in a row that is not meant: a step at the border of two rows counts as one of them."""
+ROUNDED: Final = 1e-5
+"""Of the full power, by which the power that is asked for may be beyond it: `per` of a signal has few digits."""
 
 
 def beam_findings(rows: Rows, kind: type[Beam]) -> Iterator[Diagnostic]:
@@ -63,7 +65,7 @@ def _of_tool(rows: Rows, kind: type[Beam], tool: Any, mine: Flags) -> Iterator[D
         hint = "check the height, `stand_off`, `focus` and `tolerance`"
         yield rows.told(np.flatnonzero(off > 0.0), "GS543", message, hint, (worst, allowed, "mm"))
     beyond = np.where(mine, rows["beam_too_much"], 0.0)
-    if beyond.any():
+    if beyond.any() and float(beyond.max()) > (1.0 + ROUNDED) * float(tool.power):
         most, full = float(beyond.max()), float(tool.power)
         message = f"the program asks {name} for {most:.4g} W; it has {full:.4g} W"
         hint = "it runs with full power; check `signals` and `power`"

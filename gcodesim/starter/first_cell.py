@@ -162,6 +162,8 @@ class FirstCell:
         lines = [f"dialect: {self.seen.dialect:<10} # {self.seen.why}"]
         if self.found.unit_is_guessed:
             lines.append(f"startup: {_INCHES}        # it says neither G20 nor G21, and sizes of tools in inches")
+        elif self.beam is not None and self.beam.kind != "laser" and self.beam.greatest == 0.0:
+            lines.append("startup: S1         # the program never says S, and M3 without it turns nothing")
         checks = []
         whole = self.seen.failed is None or self.seen.failed.code == _NO_END  # else what is missing may come later
         if self.seen.failed is not None and whole:
@@ -185,7 +187,7 @@ class FirstCell:
             [(on, off)] = cast(set[tuple[int, int]], switched)
             lines.append(f"m_codes: {{M{on}: {{tool: activate}}, M{off}: {{tool: deactivate}}}}")
         if self.beam is not None:
-            lines += ["loaded_tool: 1", self.beam.switch_line(self.seen.dialect)]
+            lines += [f"loaded_tool: {self.beam.number}", self.beam.switch_line(self.seen.dialect)]
         if checks:
             codes, reasons = zip(*checks, strict=True)
             lines.append(f"checks: {{{', '.join(codes)}}}    # {'; '.join(reasons)}")

@@ -13,12 +13,16 @@ BeamKind = Literal["laser", "plasma", "jet"]
 
 _NOTE = re.compile(rb"\(([^)\r\n]*)|;([^\r\n]*)")
 _WORDS: Final[dict[BeamKind, re.Pattern[bytes]]] = {
-    "plasma": re.compile(rb"plasma|\btorch\b", re.IGNORECASE),
+    "plasma": re.compile(rb"plasma|\btorch\b|hypertherm|powermax", re.IGNORECASE),
     "jet": re.compile(rb"water[ -]?jet|\babrasive\b|\bwazer\b", re.IGNORECASE),
     "laser": re.compile(rb"laser|lightburn", re.IGNORECASE),
 }
+_WELDS = re.compile(rb"weld|\b(?:mig|mag|tig|gmaw|waam)\b", re.IGNORECASE)  # its torch adds
 _POWER = re.compile(rb"(?<![A-Za-z#<])[Ss][ \t]*([0-9]+\.?[0-9]*|\.[0-9]+)")
 _CHANGE = re.compile(rb"(?<![A-Za-z#<])[Mm]0*6(?![0-9])")
+_TOOL = re.compile(rb"(?<![A-Za-z#<])[Tt][ \t]*0*([0-9]+)")
+_ON = re.compile(rb"(?<![A-Za-z#<])[Mm]0*[34](?![0-9])")
+_HEIGHT = re.compile(rb"(?<![A-Za-z#<])[Zz][ \t]*[-+0-9.#\[]")
 _SCALES: Final = (100.0, 255.0, 1000.0, 10_000.0)  # usual numbers of full power
 _TOOLS: Final[dict[BeamKind, tuple[str, str]]] = {
     "laser": (
@@ -35,25 +39,37 @@ _DIAMETERS: Final[dict[BeamKind, float]] = {"laser": 0.2 * MM, "plasma": 1.5 * M
 
 @frozen
 class NamedBeam:
-    """The beam of a program: `kind`, the line of the comment that names it, and the greatest S word."""
+    """The beam of a program: `kind`, why it is one, the greatest S word, and the number of the tool that it is."""
 
     kind: BeamKind
-    line: int
+    why: str
     greatest: float
+    number: int
 
     @staticmethod
     def of(program: SourceText) -> NamedBeam | None:
-        """By the first comment that names one; None for a program that changes tools, as a mill's does."""
+        """By the first comment that names one, or a spindle that is switched though nothing ever moves Z.
+
+        None for a program that changes tools, as a mill's does, unless it calls one only and gives it no speed.
+        """
         raw = program.raw
-        if _CHANGE.search(_NOTE.sub(b"", raw)):
+        words = _NOTE.sub(b"", raw)
+        greatest = max((float(found) for found in _POWER.findall(words)), default=0.0)
+        called = {int(found) for found in _TOOL.findall(words)}
+        if _CHANGE.search(words) and (greatest > 0.0 or len(called) != 1):
             return None
+        number = called.pop() if len(called) == 1 else 1
         for note in _NOTE.finditer(raw):
             for kind, pattern in _WORDS.items():
-                if pattern.search(note[0]):
-                    powers = [float(found) for found in _POWER.findall(_NOTE.sub(b"", raw))]
-                    line = raw.count(b"\n", 0, note.start()) + 1
-                    return NamedBeam(kind=kind, line=line, greatest=max(powers, default=0.0))
-        return None
+                if pattern.search(note[0]) and not _WELDS.search(note[0]):
+                    why = f"line {raw.count(10, 0, note.start()) + 1} names it"
+                    return NamedBeam(kind=kind, why=why, greatest=greatest, number=max(number, 1))
+        on = _ON.search(words)
+        if on is None or greatest == 0.0 or _HEIGHT.search(words):
+            return None
+        line = words.count(10, 0, on.start()) + 1
+        why = f"line {line} switches a spindle on, and nothing moves Z: a laser, most likely"
+        return NamedBeam(kind="laser", why=why, greatest=greatest, number=max(number, 1))
 
     @property
     def length(self) -> float:
@@ -83,6 +99,6 @@ class NamedBeam:
     def tool_lines(self) -> list[str]:
         return [
             "tools:",
-            f"  # line {self.line} names it; ITS NUMBERS ARE A GUESS",
-            f"  1: {{{_TOOLS[self.kind][0]}}}",
+            f"  # {self.why}; ITS NUMBERS ARE A GUESS",
+            f"  {self.number}: {{{_TOOLS[self.kind][0]}}}",
         ]

@@ -38,7 +38,7 @@ def _tools(cell: FirstCell) -> Iterator[tuple[str, str]]:
     for place, tool in enumerate(cell.tools):
         yield "" if place else "tools", _tool(cell, tool)
     if cell.beam is not None:
-        yield "tools", f"a {cell.beam.kind} (line {cell.beam.line} names it)"
+        yield "tools", f"a {cell.beam.kind} ({cell.beam.why})"
     elif not cell.tools:
         yield "tools", "none is called"
 

@@ -68,6 +68,44 @@ G1 Y30
 M5
 M30
 """
+RASTER = """G90
+M4 S0
+G0X5Y5F1000
+G1X5.2S0
+X15S500
+X25S1000
+X25.2S0
+G0Y6
+G1X15S1000
+X5S500
+M5 S0
+"""
+PEN_OR_LASER = """G90
+G21
+G1 X10 Y10 F1000
+M3 S255
+G1 X30 Y10 F600
+M5
+G1 X0 Y0 F1000
+M2
+"""
+SHEETCAM = """(Filename: ring.tap)
+(Post processor: Mach3 plasma.scpost)
+G21 G90 G40
+(Process: Outside Offset, 0, T1: 45A Hypertherm, 1.5mm kerf)
+M06 T3  (45A Hypertherm, 1.5mm kerf)
+G00 X5.0000 Y10.0000
+G00 Z1.5
+M03
+G04 P0.5
+F1500.0
+G01 X10.0000 Y10.0000
+G03 X40.0 Y10.0 I15.0 J0.0
+G03 X10.0 Y10.0 I-15.0 J0.0
+M05
+G00 Z10.0
+M30
+"""
 
 
 @pytest.mark.parametrize(
@@ -77,15 +115,19 @@ M30
         (LIGHTBURN, "laser", "grbl", 40.0),
         (PLASMA, "plasma", "linuxcnc", 0.9 * 1.5 * 3.0 * math.pi * 25.6),
         (JET, "jet", "linuxcnc", 0.9 * 1.0 * 3.0 * 50.0),
+        (RASTER, "laser", "grbl", 7.2),  # 40 mm at 750 of 1000 and 1000 mm/min: 18.06 J, of which 0.8 count, 2 J/mm³
+        (PEN_OR_LASER, "laser", "linuxcnc", 7.9),  # 20 mm at 600 mm/min: 20 J
+        (SHEETCAM, "plasma", "linuxcnc", 0.9 * 1.5 * 3.0 * (5.0 + math.pi * 30.0)),
     ],
-    ids=["inkscape", "lightburn", "plasma", "jet"],
+    ids=["inkscape", "lightburn", "plasma", "jet", "raster", "no comment", "sheetcam"],
 )
 def test_a_beam_takes_what_it_goes_over(text: str, kind: str, dialect: str, least: float) -> None:
     """Torch and jet go through the sheet of 3 mm: kerf times length; `least` in mm³."""
     program = SourceText("part.nc", text.encode())
     loaded = read_cell(SourceText("cell.yaml", cell_for(program)), Path("cell.yaml"))
     assert loaded.cell is not None, [f.message for f in loaded.findings]
-    assert (loaded.cell.tools[1].kind, loaded.cell.channels["main"].dialect) == (kind, dialect)
+    (tool,) = loaded.cell.tools.values()
+    assert (tool.kind, loaded.cell.channels["main"].dialect) == (kind, dialect)
 
     results, _ = run(prepare(program, loaded, Options(world="kinematic")), None)
 

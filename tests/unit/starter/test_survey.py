@@ -140,8 +140,9 @@ def test_rapids_of_holes_are_no_sides_of_the_stock(tmp_path: Path) -> None:
     assert removed["stock"] == pytest.approx(3 * np.pi / 4 * 9 * (8 - 0.6), rel=0.15)
 
 
-def test_a_beam_has_no_stock() -> None:
-    cell = cell_for(source("G21 G90\nM4 S0\nG0 X1 Y2\nG1 X10 S255 F900\nY20\nM5 S0\n")).decode()
+def test_a_pen_has_no_stock() -> None:
+    """What is switched without a speed, and nothing moves Z: a pen, or a knife."""
+    cell = cell_for(source("G21 G90\nM3\nG0 X1 Y2\nG1 X10 F900\nY20\nM5\n")).decode()
 
     assert "\nstock:" not in cell and "\ntools:" not in cell and "loaded_tool" not in cell
 
