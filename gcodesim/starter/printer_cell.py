@@ -23,6 +23,7 @@ from gcodesim.units import MM
 
 Array = NDArray[np.float64]
 
+_WIDE: Final = 2.0  # times the height: beads of clay and concrete, whose nozzles no slicer tells
 _MOST_NOZZLES: Final = 16
 _MARGIN: Final = 10.0 * MM  # of the bed around what is printed
 _TRAVEL: Final = 20.0 * MM  # of the axes around what is moved
@@ -237,7 +238,8 @@ class PrinterCell:
             if (number := _number(self.settings.get(name, ""))) > 0.0:
                 return number * MM
         if of == "width":
-            return 1.125 * (self._first(_NOZZLES) or _NOZZLE) * MM
+            usual, height = 1.125 * (self._first(_NOZZLES) or _NOZZLE) * MM, self._size("height")
+            return usual if usual >= height else _WIDE * height
         steps = np.diff(distinct(np.round(self.path.end[self.laying, 2] / MM, 4)))
         return float(np.median(steps)) * MM if len(steps) else 0.2 * MM
 

@@ -44,6 +44,7 @@ G92 E0
 G1 X-10 Y-10 Z0.15 F6000
 G1 X40 E2 F1200
 """
+CLAY = CURA.replace("0.15", "2")  # as slicers write for a WASP: no width, and layers higher than usual beads are wide
 
 
 DUET = PRUSA.replace("M83\n", "var z = 0.3\nM83\n").replace("Z0.3", "Z{var.z}")
@@ -70,6 +71,7 @@ def bad(program, loaded):
         (PRUSA, "marlin", 0.6, 0.3, 2.85),
         (DUET, "reprapfirmware", 0.6, 0.3, 2.85),
         (KLIPPER, "klipper", 0.45, 0.2, 1.75),
+        (CLAY, "marlin", 4.0, 2.0, 1.75),
         (CURA, "marlin", 0.45, 0.15, 1.75),
     ],
 )
