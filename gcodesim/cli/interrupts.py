@@ -37,10 +37,42 @@ def interrupted_by(number: int) -> int:
     return 128 + int(number)
 
 
-def leave_at_once(number: int, _frame: FrameType | None) -> None:
-    """A handler for servers: one of their threads reads, and an orderly end would wait for the client's next word."""
-    os.write(2, b"gcodesim: interrupted\n")  # not print: a signal may come while a stream is in use
-    os._exit(interrupted_by(number))
+@contextmanager
+def left_at_once(first: Callable[[], object] = lambda: None) -> Iterator[None]:
+    """Inside this context, that of a server, a signal ends the process after `first`, whatever its threads do.
+
+    One of them reads, and an orderly end would wait for the client's next word. Python calls handlers between two steps
+    of the main thread: a signal that comes just before that one begins to wait would not be heard before that word
+    either. So a thread of its own waits for signals, too.
+    """
+    leaving = threading.Lock()
+
+    def leave(number: int, _frame: FrameType | None = None) -> None:
+        if leaving.acquire(blocking=False):
+            first()
+            os.write(2, b"gcodesim: interrupted\n")  # not print: a signal may come while a stream is in use
+            os._exit(interrupted_by(number))
+
+    def wait() -> None:
+        for number in os.read(read_end, 1):
+            leave(number)
+
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    read_end, write_end = os.pipe()
+    os.set_blocking(write_end, False)
+    waiting = threading.Thread(target=wait, daemon=True)
+    waiting.start()
+    with handled(leave):
+        before = signal.set_wakeup_fd(write_end, warn_on_full_buffer=False)
+        try:
+            yield
+        finally:
+            signal.set_wakeup_fd(before)
+            os.close(write_end)
+            waiting.join()
+            os.close(read_end)
 
 
 @contextmanager

@@ -252,6 +252,23 @@ def test_servers_end_while_their_client_says_nothing(command: str, number: signa
             pipe.close()
 
 
+_UNHEARD = """
+import os, select, signal, threading
+from gcodesim.cli.interrupts import left_at_once
+
+with left_at_once():
+    threading.Timer(0.2, os.kill, [os.getpid(), signal.SIGTERM]).start()
+    signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGTERM})  # another thread gets it, and this one waits on
+    select.select([], [], [], 60)
+"""
+
+
+def test_a_server_ends_also_where_its_main_thread_does_not_hear_the_signal() -> None:
+    """As when it comes between the last look at signals and the wait for the client."""
+    done = subprocess.run([sys.executable, "-c", _UNHEARD], capture_output=True, timeout=600)
+    assert (done.returncode, done.stderr) == (143, b"gcodesim: interrupted\n")
+
+
 _WHILE_LOADING = """
 import os, runpy, signal, sys
 

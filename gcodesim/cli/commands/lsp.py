@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from gcodesim.cli.exits import OK, UsageError
-from gcodesim.cli.interrupts import handled, leave_at_once
+from gcodesim.cli.interrupts import left_at_once
 from gcodesim.cli.nearest import no_such
 from gcodesim.cli.options import dialects
 from gcodesim.cli.outline import may_be
@@ -71,6 +71,6 @@ def run(arguments: argparse.Namespace) -> int:
         # of its own, since the server closes both at its end
         asked = stack.enter_context(os.fdopen(os.dup(sys.stdin.fileno()), "rb"))
         said = stack.enter_context(os.fdopen(os.dup(sys.stdout.fileno()), "wb"))
-        stack.enter_context(handled(leave_at_once))
+        stack.enter_context(left_at_once())
         serve(choices).start_io(asked, said)
     return OK

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import argparse
 from pathlib import Path
-from types import FrameType
 from typing import Any
 
 from gcodesim.cli.exits import OK, UsageError
-from gcodesim.cli.interrupts import handled, leave_at_once
+from gcodesim.cli.interrupts import left_at_once
 from gcodesim.extras import require_extra
 
 
@@ -49,11 +48,7 @@ def run(arguments: argparse.Namespace) -> int:
         _take_no_other_words(tool)
     server = MCPServer("gcodesim", version=__version__, tools=offered)
 
-    def leave(number: int, frame: FrameType | None) -> None:
-        stop_calls()
-        leave_at_once(number, frame)
-
-    with handled(leave):
+    with left_at_once(stop_calls):
         server.run("stdio")
     return OK
 
