@@ -259,7 +259,7 @@ from gcodesim.cli.interrupts import left_at_once
 with left_at_once():
     threading.Timer(0.2, os.kill, [os.getpid(), signal.SIGTERM]).start()
     signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGTERM})  # another thread gets it, and this one waits on
-    select.select([], [], [], 60)
+    select.select([], [], [])
 """
 
 
