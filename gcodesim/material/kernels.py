@@ -46,7 +46,7 @@ from gcodesim.material.removal_kernels import (
     touch_piece,
 )
 from gcodesim.material.revolved_kernels import discs_across, ring_at, swept_outline, take_ring
-from gcodesim.material.sweep_kernels import Shape, underside
+from gcodesim.material.sweep_kernels import Shape, shape_in, underside
 from gcodesim.material.wall_kernels import beyond_columns
 
 __all__ = [
@@ -81,6 +81,7 @@ __all__ = [
     "remove_piece",
     "ring_at",
     "scratch",
+    "shape_in",
     "share_between",
     "surface_around",
     "swept_outline",

@@ -25,7 +25,9 @@ SHORTEST = 1.0e-3  # [cells] between two crossings that make a line
 UNKNOWN = -1.0
 LOWEST, UNSEEN = -1.0e9, 1.0e9  # heights [m]: of a foot that is below everything, of none
 UNCUT = 0.5  # where material ends at the border of the stock
-NEARER = 1.02  # times as far a wall goes along u as along l; one at 45 degrees would be known and not, by its ripples
+# A wall that the tool follows goes so many times farther along u than along l. Of one at 45 degrees, ripples would
+# decide that from step to step.
+NEARER = 1.02
 
 
 class NearWall(NamedTuple):

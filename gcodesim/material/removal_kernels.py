@@ -17,6 +17,7 @@ from gcodesim.material.sweep_kernels import (
     columns_across_x,
     columns_across_y,
     piece_of,
+    shape_in,
     strip_range,
     swept_interval,
     underside,
@@ -476,9 +477,7 @@ def remove(field: Field, starts: Array, ends: Array, cutter: Shape, bodies: Arra
         if not ok:
             return p
         for b in range(bodies.shape[0]):
-            body = bodies[b]
-            shape = Shape(body[0], body[1], body[2], body[3], body[4], body[5], body[6])
-            shared, depth = touch_piece(field, starts[p], ends[p], shape)
+            shared, depth = touch_piece(field, starts[p], ends[p], shape_in(bodies, b))
             found.body_volume[p] += shared
             found.body_depth[p] = max(found.body_depth[p], depth)
     return pieces

@@ -47,6 +47,12 @@ class Shape(NamedTuple):
     top: float  # height [m] of the top above the tip
 
 
+@kernel(lean=True, inlined=True)
+def shape_in(rows: Array, k: int) -> Shape:
+    """Shape k of those that are rows (n, 7)."""
+    return Shape(rows[k, 0], rows[k, 1], rows[k, 2], rows[k, 3], rows[k, 4], rows[k, 5], rows[k, 6])
+
+
 class Piece(NamedTuple):
     """A straight piece of the tip's way: start, horizontal unit direction, horizontal length [m], slope dz/du [-]."""
 

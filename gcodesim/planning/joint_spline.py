@@ -7,7 +7,7 @@ times are the least that there are (`path_timing_kernels`).
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +25,13 @@ _PARTS: Final = 48  # of the way between two knots, in each of which the acceler
 _INSIDE: Final = (0.25, 0.5, 0.75)  # shares of such a part at which limits are looked at
 
 
+class TipPace(NamedTuple):
+    """How far the tip of the tool has `gone` at each of some joint vectors (n,) [m], and its greatest speed [m/s]."""
+
+    gone: Array
+    feed: float
+
+
 @frozen(eq=False)
 class JointSpline:
     """Joint vectors `q` (n, j) at the places `knots` (n,), with `slopes` (n, j) there.
@@ -40,18 +47,16 @@ class JointSpline:
     speeds: Array
 
     @staticmethod
-    def through(q: Array, joints: Joints, along: tuple[Array, float] | None = None) -> JointSpline:
+    def through(q: Array, joints: Joints, along: TipPace | None = None) -> JointSpline:
         """The spline through `q` (n, j), n at least 2; vectors that repeat the one before are left out.
 
-        `along` are the way of the tip to each vector (n,) [m] and the greatest speed on it [m/s]; a last column of `q`
-        is that way then.
+        With `along` the tip is no faster than that, and a last column of the spline is how far it has come [m].
         """
         speed = np.minimum(np.asarray(joints.speed, dtype=float), _MOST)
         acceleration = np.minimum(np.asarray(joints.acceleration, dtype=float), _MOST)
         if along is not None:
-            way, feed = along
-            q = np.column_stack([q, way])
-            speed, acceleration = np.append(speed, feed), np.append(acceleration, _MOST)
+            q = np.column_stack([q, along.gone])
+            speed, acceleration = np.append(speed, along.feed), np.append(acceleration, _MOST)
         wait = (np.abs(np.diff(q, axis=0)) / speed).max(axis=1)
         q = q[np.concatenate([[True], wait > _STILL])]
         u = np.concatenate([[0.0], np.cumsum(wait[wait > _STILL])])

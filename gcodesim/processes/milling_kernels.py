@@ -28,6 +28,7 @@ from gcodesim.material.kernels import (
     remove_form,
     remove_piece,
     scratch,
+    shape_in,
     tighten_tops,
     top_nearby,
     touch_form,
@@ -419,11 +420,8 @@ def depth_of(field: Field, start: Array, end: Array, sections: Array, top: float
     """
     depth, lowest = 0.0, min(start[2], end[2])
     for k in range(sections.shape[0]):
-        if lowest + sections[k, 5] < top:
-            shape = Shape(
-                sections[k, 0], sections[k, 1], sections[k, 2], sections[k, 3], sections[k, 4], sections[k, 5],
-                sections[k, 6],
-            )  # fmt: skip
+        shape = shape_in(sections, k)
+        if lowest + shape.bottom < top:
             depth = max(depth, touch_piece(field, start, end, shape)[1])
     return depth if depth > LEAST_TOUCH else 0.0
 

@@ -15,6 +15,7 @@ from gcodesim.frames import Array, Pose, quaternion_from_rotation, rotation_from
 from gcodesim.frozen import frozen
 from gcodesim.given import number, numbers, quaternions
 from gcodesim.motion.tool_path import ToolPath
+from gcodesim.planning.joint_spline import TipPace
 from gcodesim.session.misuse import MisuseError, as_misuse
 from gcodesim.session.pose_path import between
 from gcodesim.session.posture import joints_along, joints_at
@@ -185,8 +186,8 @@ class Arm:
         shop = self._machine.shop
         X_FT, X_BW = self._X_FT().inverse().matrix, shop.X_WB.inverse().matrix
         q = joints_along(self.name, shop.kinematics, multiplied(X_BW, poses, X_FT), leads_to, self._machine.q)
-        way = np.cumsum(norms(np.diff(poses[:, :3, 3], axis=0, prepend=p0[None])))
-        self._follow_joints(q, active, None if feed is None else (way, feed))
+        gone = np.cumsum(norms(np.diff(poses[:, :3, 3], axis=0, prepend=p0[None])))
+        self._follow_joints(q, active, None if feed is None else TipPace(gone, feed))
 
     def move_to(self, position: ArrayLike, orientation: ArrayLike | None = None) -> None:
         """Bring the tip to a pose in the world by a joint move (PTP), and wait; as `set_endeffector_pose` otherwise."""
@@ -278,10 +279,7 @@ class Arm:
         self._cell._wait_for(self._machine, self._machine.move(target))
         self._machine.stand_at(target)
 
-    def _follow_joints(self, vectors: Array, active: bool | None, along: tuple[Array, float] | None = None) -> None:
-        """Go through joint vectors (n, j) without a stop, from where the robot stands, and wait until that is done.
-
-        `along` as of `MovedMachine.follow`.
-        """
+    def _follow_joints(self, vectors: Array, active: bool | None, along: TipPace | None = None) -> None:
+        """Go through joint vectors (n, j) without a stop, from where the robot stands, and wait until that is done."""
         self._cell._wait_for(self._machine, self._machine.follow(vectors, along), active)
         self._machine.stand_at(vectors[-1])

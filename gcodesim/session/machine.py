@@ -15,7 +15,7 @@ from gcodesim.frames import Array
 from gcodesim.motion.tool_path import PathEvent, ToolPath, ToolState
 from gcodesim.planning import plan_path, posing_of
 from gcodesim.planning.joint_moves import JointMove
-from gcodesim.planning.joint_spline import JointSpline
+from gcodesim.planning.joint_spline import JointSpline, TipPace
 from gcodesim.planning.legs import followed_by
 from gcodesim.planning.shop_posing import bearers_of, loads_of
 from gcodesim.session import caller
@@ -128,16 +128,16 @@ class MovedMachine:
             move, _ = move.within(loads_of(self.shop), self.state.tool)
         return self._sampled(move.at, move.duration, target)
 
-    def follow(self, vectors: Array, along: tuple[Array, float] | None = None) -> Array:
+    def follow(self, vectors: Array, along: TipPace | None = None) -> Array:
         """Steps through joint vectors (n, j) without a stop, from rest to rest.
 
-        `along`: how far the tip has come at each of them (n,) [m], and how fast it may be [m/s]. MisuseError while it
-        moves, and where the smooth way goes beyond a limit.
+        With `along` (n rows) the tip is no faster than that. MisuseError while it moves, and where the smooth way goes
+        beyond a limit.
         """
         self.check_rest()
         joints = self.shop.kinematics.joints
         if along is not None:
-            along = np.concatenate([[0.0], along[0]]), along[1]
+            along = along._replace(gone=np.concatenate([[0.0], along.gone]))
         spline = JointSpline.through(np.vstack([self.q, vectors]), joints, along)
         table = self._sampled(lambda t: spline.at(t)[:, : len(self.q)], spline.duration, vectors[-1])
         kept = np.clip(table, joints.lower, joints.upper)
