@@ -49,13 +49,13 @@ _LENGTH = Quantity("length", POSITIVE)
 
 @frozen
 class EndMill(CutModel):
-    """A flat, ball or bull nose mill, also with edges at a lead angle, or with run-out."""
+    """A flat, ball or bull nose mill, also with edges at a lead angle, uneven teeth, or with run-out."""
 
     kind: ClassVar[str] = "endmill"
     says: ClassVar[str] = "forces, torque, power and chips of a mill over a revolution"
     source: ClassVar[str] = (
         "Altintas 2012, sec. 2.8, over teeth, heights and angles: h = c sin(phi) sin(kappa), db = dz/sin(kappa)"
-        "; run-out: Kline and DeVor 1983"
+        "; run-out and uneven teeth: Kline and DeVor 1983"
     )
     also: ClassVar[tuple[str, ...]] = (
         "end_mill", "milling", "ballnose", "ball_nose", "ball", "bullnose", "bull_nose", "bull", "facemill",
@@ -69,6 +69,7 @@ class EndMill(CutModel):
         "helix_angle": "helix", "r": "corner_radius", "nose_radius": "corner_radius", "run_out": "runout",
         "eccentricity": "runout", "run_out_angle": "runout_angle", "phi_st": "entry", "phi_ex": "exit",
         "entry_angle": "entry", "exit_angle": "exit",
+        "pitch_angles": "pitches", "helix_angles": "helices",
     }  # fmt: skip
     gives: ClassVar[tuple[Result, ...]] = (
         Result("mean_Fx", "force", "on the tool along its feed, mean over a revolution"),
@@ -116,6 +117,17 @@ class EndMill(CutModel):
     feed: float | None = key("speed", "of the table", default=None, example="800 mm/min")
     spindle: float | None = key("rotational speed", "for power and removal rate", default=None, example="4000 rpm")
     cutting_speed: float | None = key("speed", "in place of `spindle`", default=None, example="120 m/min")
+    pitches: tuple[float, ...] = key(
+        Vector(Quantity("angle", POSITIVE)), "from each tooth to the one ahead", default=(), rule="all alike",
+        example="[85, 95, 85, 95 deg]",
+    )  # fmt: skip
+    helices: tuple[float, ...] = key(
+        Vector(Quantity("angle")), "helix of each tooth", default=(), rule="that of `helix`",
+        example="[35, 38, 35, 38 deg]",
+    )  # fmt: skip
+    up_cut: float | None = key(
+        _LENGTH, "compression edges: height from which on the helix goes back", default=None, example="6 mm"
+    )
     runout: float = key(_NOT_NEGATIVE, "distance of the edges' axis from that of the spindle", default=0.0)
     runout_angle: float = key("angle", "of that distance, ahead of tooth 0", default=0.0)
     theta: tuple[float, ...] = key(
@@ -133,8 +145,9 @@ class EndMill(CutModel):
             more["corner_radius"] = self.corner_radius
         length = max(4.0 * self.diameter, 2.0 * self.ap, 40.0 * MM)
         made: Cutter = TOOLS[name](
-            diameter=self.diameter, flutes=self.flutes, helix=self.helix, length=length, flute_length=length, **more
-        )
+            diameter=self.diameter, flutes=self.flutes, helix=self.helix, length=length, flute_length=length,
+            pitches=self.pitches or None, helices=self.helices or None, up_cut=self.up_cut, **more,
+        )  # fmt: skip
         for _, problem in made.problems():
             raise CannotComputeError(problem)
         return made
@@ -197,7 +210,7 @@ class EndMill(CutModel):
             "mean_chip_thickness": mean_chip_thickness(cutter, cut, kappa), "max_chip_thickness": float(chips.max()),
             "entry": entry, "exit": leave,
         }  # fmt: skip
-        if run_out is not None:
+        if run_out is not None or cutter.uneven:
             found["chip_per_tooth"] = chips.tolist()
         if self.speed:
             found |= {

@@ -9,8 +9,9 @@ from gcodesim.declarations.keys import key
 from gcodesim.declarations.kind import NOT_NEGATIVE, POSITIVE, Range
 from gcodesim.declarations.quantity import Quantity
 from gcodesim.frozen import frozen
-from gcodesim.processes.laws import DEFAULT_AXIAL_RATIO, DEFAULT_NORMAL_RATIO, Kienzle, LinearEdge
+from gcodesim.processes.laws import DEFAULT_AXIAL_RATIO, DEFAULT_NORMAL_RATIO, Kienzle, LinearEdge, with_rake
 from gcodesim.processes.materials import LIBRARY
+from gcodesim.tools.teeth import RAKE
 
 _PRESSURE = Quantity("pressure", NOT_NEGATIVE)
 _EDGE = Quantity("force per length", NOT_NEGATIVE)
@@ -23,6 +24,7 @@ class CutModel(Model):
 
     spellings: ClassVar[dict[str, str]] = {
         "kc": "kc11", "kc1": "kc11", "kc1_1": "kc11", "kn": "kn11", "ka": "ka11", "id": "material", "name": "material",
+        "gamma": "rake", "rake_angle": "rake", "gamma0": "table_rake", "base_rake": "table_rake",
     }  # fmt: skip
 
     material: str | None = key("text", "a material of the library (`gcodesim list materials`)", default=None)
@@ -43,9 +45,28 @@ class CutModel(Model):
     Kac: float | None = key(_PRESSURE, "axial cutting coefficient", default=None)
     Kae: float | None = key(_EDGE, "axial edge coefficient", default=None)
 
+    rake: float | None = key(
+        RAKE, "of the edges; forces change by 1 % a degree", default=None, rule="that of the table"
+    )
+    table_rake: float | None = key(
+        RAKE, "of the edges that the constants hold for", default=None, rule="what the library says of `material`"
+    )
+
     @property
     def law(self) -> Kienzle | LinearEdge:
-        """The law of force; CannotComputeError where the inputs name none, or two."""
+        """The law of force on these edges; CannotComputeError where the inputs name none, or two."""
+        law, of_table = self._table_law, self.table_rake
+        if self.rake is None:
+            return law
+        named = self.kc11 is None and self.Ktc is None
+        if of_table is None and named and self.material is not None:
+            of_table = LIBRARY[self.material].rake
+        if of_table is None:
+            raise CannotComputeError("for which rake do the constants hold? give `table_rake`, or leave out `rake`")
+        return with_rake(law, self.rake, of_table)
+
+    @property
+    def _table_law(self) -> Kienzle | LinearEdge:
         if self.Ktc is not None:
             if self.kc11 is not None:
                 raise CannotComputeError("`Ktc` belongs to the linear-edge law, `kc11` to Kienzle's: give one of them")

@@ -14,6 +14,7 @@ from gcodesim.declarations.record import Record
 from gcodesim.frozen import frozen
 from gcodesim.processes.laws import DEFAULT_AXIAL_RATIO, DEFAULT_NORMAL_RATIO, Kienzle, LinearEdge
 from gcodesim.processes.materials import Material
+from gcodesim.tools.teeth import RAKE
 
 _CUTTING = Quantity("pressure", NOT_NEGATIVE)
 _EDGE = Quantity("force per length", NOT_NEGATIVE)
@@ -38,6 +39,9 @@ class MaterialForm:
     Kre: float | None = key(_EDGE, "radial edge coefficient", default=None, example="10 N/mm")
     Kac: float | None = key(_CUTTING, "axial cutting coefficient", default=None, example="50 N/mm^2")
     Kae: float | None = key(_EDGE, "axial edge coefficient", default=None, example="2 N/mm")
+    rake: float | None = key(
+        RAKE, "of the edges that the constants hold for; a tool with another one is corrected", default=None
+    )
     source: str = key(Text(), "source of the constants", default="", quiet=True)
 
     def checked(self, to: Reading, path: Path) -> Material | Unread:
@@ -86,7 +90,8 @@ class MaterialForm:
 
     def _material(self, law: Kienzle | LinearEdge, assumed: tuple[str, ...], path: Path) -> Material:
         name = str(path[-1])
-        return Material(id=name, name=name, law=law, source=self.source or "own, without a source", assumed=assumed)
+        source = self.source or "own, without a source"
+        return Material(id=name, name=name, law=law, source=source, assumed=assumed, rake=self.rake)
 
 
 _FORM: Final = Record(MaterialForm, "the material")
@@ -119,6 +124,6 @@ def written_as(material: Material) -> MaterialForm:
     assert law is not None  # only the library has materials without one
     if isinstance(law, Kienzle):
         ratios = {"normal_ratio": law.kn11 / law.kc11, "axial_ratio": law.ka11 / law.kc11}
-        return MaterialForm(kc11=law.kc11, mc=law.mc, **ratios, source=material.source)
+        return MaterialForm(kc11=law.kc11, mc=law.mc, **ratios, rake=material.rake, source=material.source)
     constants = {"Ktc": law.ktc, "Kte": law.kte, "Krc": law.krc, "Kre": law.kre, "Kac": law.kac, "Kae": law.kae}
-    return MaterialForm(**constants, source=material.source)
+    return MaterialForm(**constants, rake=material.rake, source=material.source)

@@ -47,6 +47,7 @@ def resolve(cell: Cell, to: Reading) -> Cell:
     _check_frames(cell, to)
     check_words(cell, to)
     _check_materials(cell, to)
+    _check_rakes(cell, to)
     _check_stock_on_arm(cell, to)
     _check_systems(cell, to)
     _check_spindle(cell, to)
@@ -366,6 +367,28 @@ def _check_materials(cell: Cell, to: Reading) -> None:
             message = f"there are no force data for `{name}`: it is cut without force"
             hint = f"give constants of your own: `materials: {{my_{LIBRARY[name].id}: {{kc11: … N/mm^2, mc: …}}}}`"
             to.findings.add(Diagnostic(code="GS926", span=span, message=message, hint=hint))
+
+
+def _check_rakes(cell: Cell, to: Reading) -> None:
+    """GS738: tools that say a rake, in materials whose table does not: for each such material that the cell names."""
+    from gcodesim.processes.materials import LIBRARY
+
+    raked = [f"T{number}" for number, tool in cell.tools.items() if getattr(tool, "rake", None) is not None]
+    if not raked or ("materials",) in to.broken:
+        return
+    told: set[str] = set()
+    for reference in to.references:
+        if reference.what != "material" or reference.name in told:
+            continue
+        material = cell.materials.get(reference.name) or LIBRARY.get(reference.name)
+        if material is None or material.law is None or material.rake is not None:
+            continue
+        told.add(reference.name)
+        message = (
+            f"`{reference.name}` does not say for which rake its constants hold: `rake` of {raked[0]} changes nothing"
+        )
+        hint = f"`materials: {{my_{material.id}: {{…, rake: 6 deg}}}}` gives constants with the rake of their edges"
+        to.findings.add(Diagnostic(code="GS738", span=to.span(reference.path), message=message, hint=hint))
 
 
 def _check_stands(cell: Cell, to: Reading) -> None:

@@ -22,7 +22,9 @@ from gcodesim.arithmetic.elementary import acos, asin, cos, cos_sin, power, sin,
 from gcodesim.frozen import frozen
 from gcodesim.processes.drill_point import chisel_push, edge_law
 from gcodesim.processes.laws import Kienzle, Law
+from gcodesim.processes.uneven import senses_of
 from gcodesim.tools.cutter import Cutter
+from gcodesim.tools.teeth import helices_of, late_at, starts_of
 
 Array = NDArray[np.float64]
 
@@ -71,16 +73,15 @@ class ConstantCut:
 class RunOut:
     """The axis of the edges stands `offset` [m] beside that of the spindle (Kline and DeVor 1983, eq. 1).
 
-    The radius of tooth j at height z is larger by offset cos(angle - 2 pi j / N + 2 z tan(helix) / D); `angle` [rad] is
-    that of the offset ahead of tooth 0 at the tip.
+    The radius of a tooth that stands `at` [rad] ahead of tooth 0 at the tip is larger by offset cos(angle - at); for
+    even teeth at = 2 pi j / N - 2 z tan(helix) / D. `angle` [rad] is that of the offset.
     """
 
     offset: float
     angle: float = 0.0
 
-    def growth(self, teeth: int, lag: float, z: Array) -> Array:
-        """By how much the radius of each tooth is larger (teeth, n) [m] at heights z (n,)."""
-        at = np.arange(teeth)[:, None] * (2.0 * pi / teeth) - lag * z[None, :]
+    def growth(self, at: Array) -> Array:
+        """By how much the radius of teeth is larger (…) [m] that stand at angles (…) [rad]."""
         grown: Array = self.offset * cos(np.ascontiguousarray(self.angle - at))
         return grown
 
@@ -125,7 +126,19 @@ def _quadrature(a: float, b: float, count: int) -> tuple[Array, Array]:
 
 
 def _pieces(cutter: Cutter, ap: float, lead_angle: float | None) -> Iterator[tuple[Array, float, float]]:
-    """Pieces of the edge below `ap` as (row of `Cutter.edge`, lower and upper z [m]); flat bottoms are left out."""
+    """Pieces of the edge below `ap` as (row of `Cutter.edge`, lower and upper z [m]); flat bottoms are left out.
+
+    No piece goes on where the helix turns back.
+    """
+    for row, z0, z1 in _whole_pieces(cutter, ap, lead_angle):
+        border = z1 if cutter.up_cut is None else min(max(cutter.up_cut, z0), z1)
+        if border > z0:
+            yield row, z0, border
+        if z1 > border:
+            yield row, border, z1
+
+
+def _whole_pieces(cutter: Cutter, ap: float, lead_angle: float | None) -> Iterator[tuple[Array, float, float]]:
     if lead_angle is not None:
         row = np.array([0.0, cutter.radius, 0.0, lead_angle, lead_angle, ap / sin(lead_angle), 0.0, ap])
         yield row, 0.0, ap
@@ -151,26 +164,48 @@ def _between(row: Array, z0: float, z1: float, lead_angle: float | None) -> _Nod
 def _uncut(cutter: Cutter, cut: ConstantCut, run_out: RunOut | None, tooth: int, z: Array, sin_phi: Array) -> Array:
     """Radial thickness [m] of the chip of a tooth at heights z (n,); below 0 it passes through air.
 
-    sin_phi (…, n). With run-out a tooth takes what is left by the deepest of those before it (Kline and DeVor 1983).
+    sin_phi (…, n). Teeth that differ take what is left by the deepest of those before them (Kline and DeVor 1983).
     """
     thickness = cut.feed_per_tooth * sin_phi
-    if run_out is None:
+    if run_out is None and not cutter.uneven:
         return np.maximum(thickness, 0.0)
-    growth = run_out.growth(cutter.flutes, _lag(cutter), z)
-    least = cutter.flutes * thickness
-    for before in range(1, cutter.flutes):
-        step = growth[tooth] - growth[(tooth + before) % cutter.flutes]
-        least = np.minimum(least, before * thickness + step)
+    teeth = cutter.flutes
+    at = starts_of(cutter)[:, None] - late_at(cutter, z)
+    growth = np.zeros_like(at) if run_out is None else run_out.growth(at)
+    least = teeth * thickness
+    for before in range(1, teeth):
+        ahead = (tooth + before) % teeth
+        gap = float(before) if cutter.pitches is None and cutter.helices is None else _gap(at[ahead] - at[tooth], teeth)
+        least = np.minimum(least, gap * thickness + (growth[tooth] - growth[ahead]))
     return least
 
 
-def _lag(cutter: Cutter) -> float:
-    """By how much a tooth is late for each metre of height [rad/m]."""
-    return 2.0 * tan(cutter.helix) / cutter.diameter
+def _differ(cutter: Cutter, run_out: RunOut | None) -> bool:
+    """Whether the teeth of a cutter differ, so that a whole turn has to be looked at."""
+    return run_out is not None or (cutter.uneven and cutter.flutes > 1)
 
 
-def _elements(nodes: _Nodes, width: Array, phi: Array, chip: Array) -> Array:
-    """Elements (n, COLUMNS) for the kernel; width, phi and chip have one shape, the last axis that of nodes."""
+def _gap(angle: Array, teeth: int) -> Array:
+    """An angle (n,) [rad] from 0 to a turn, in mean pitches."""
+    found: Array = (angle - 2.0 * pi * np.floor(angle / (2.0 * pi))) * (teeth / (2.0 * pi))
+    return found
+
+
+def _lag(cutter: Cutter, tooth: int, z: float) -> tuple[float, float]:
+    """How late a tooth would be at the tip if its helix at z [m] went on so [rad], and for each metre [rad/m]."""
+    slope = 2.0 * tan(helices_of(cutter)[tooth]) / cutter.diameter
+    if cutter.up_cut is None or z < cutter.up_cut:
+        return 0.0, slope
+    return 2.0 * slope * cutter.up_cut, -slope
+
+
+def _elements(
+    nodes: _Nodes, width: Array, phi: Array, chip: Array, sense: Array | float = 1.0, *, along: bool = False
+) -> Array:
+    """Elements (n, COLUMNS) for the kernel; width, phi and chip have one shape, the last axis that of nodes.
+
+    `along`: chips are as thick already as the edge is fed along its normal.
+    """
     from gcodesim.processes import constant_cut_kernels as k
 
     out = np.empty((*chip.shape, k.COLUMNS))
@@ -180,7 +215,8 @@ def _elements(nodes: _Nodes, width: Array, phi: Array, chip: Array) -> Array:
     out[..., k.RADIUS], out[..., k.WIDTH] = nodes.r, width
     out[..., k.SIN_KAPPA], out[..., k.COS_KAPPA] = sin_kappa, cos_kappa
     out[..., k.SIN_PHI], out[..., k.COS_PHI] = sin_phi, cos_phi
-    out[..., k.CHIP] = np.where(chip < 0.0, -1.0, chip * sin_kappa)
+    out[..., k.SENSE] = sense
+    out[..., k.CHIP] = np.where(chip < 0.0, -1.0, chip if along else chip * sin_kappa)
     return out.reshape(-1, k.COLUMNS)
 
 
@@ -208,17 +244,18 @@ def instantaneous_forces(
     on its own. lead_angle [rad]: kappa of an edge at constant radius, instead of the cutter's own outline.
     """
     start, end = cut.limits(cutter.diameter)
-    lag = _lag(cutter)
+    at = starts_of(cutter)
     parts: list[Array] = []
     for row, z0, z1 in _pieces(cutter, cut.ap, lead_angle):
         for tooth in range(cutter.flutes):
-            tip = theta + tooth * 2.0 * pi / cutter.flutes
-            for a, b in _contacts(tip, lag, start, end, z0, z1):
+            tip = theta + float(at[tooth])
+            late, lag = _lag(cutter, tooth, 0.5 * (z0 + z1))
+            for a, b in _contacts(tip - late, lag, start, end, z0, z1):
                 nodes = _between(row, a, b, lead_angle)
-                phi = np.ascontiguousarray(tip - lag * nodes.z)
+                phi = np.ascontiguousarray(tip - late - lag * nodes.z)
                 chip = _uncut(cutter, cut, run_out, tooth, nodes.z, sin(phi))
-                parts.append(_elements(nodes, nodes.b, phi, chip))
-    return _summed(law, parts)
+                parts.append(_elements(nodes, nodes.b, phi, chip, senses_of(cutter, nodes.z)))
+    return _summed(edge_law(cutter, law), parts)
 
 
 def _contacts(tip: float, lag: float, start: float, end: float, z0: float, z1: float) -> Iterator[tuple[float, float]]:
@@ -280,7 +317,7 @@ def end_mill_forces(
     force, torque, section = np.zeros(3), 0.0, 0.0
     if end > start and cut.ap > 0.0:
         phi, w = _quadrature(start, end, _ANGLE_NODES)
-        alike = cutter.flutes if run_out is None else 1
+        alike = 1 if _differ(cutter, run_out) else cutter.flutes
         share = alike / (2.0 * pi)
         parts: list[Array] = []
         for row, z0, z1 in _pieces(cutter, cut.ap, lead_angle):
@@ -289,13 +326,13 @@ def end_mill_forces(
             width = share * w[:, None] * nodes.b[None, :]
             for tooth in range(cutter.flutes // alike):
                 chip = _uncut(cutter, cut, run_out, tooth, nodes.z, sin(np.ascontiguousarray(angle)))
-                parts.append(_elements(nodes, width, angle, chip))
+                parts.append(_elements(nodes, width, angle, chip, senses_of(cutter, nodes.z)))
             section += float((nodes.r * nodes.b * sin(nodes.kappa)).sum()) * (cos(start) - cos(end))
-        force, torque = _summed(law, parts)
+        force, torque = _summed(edge_law(cutter, law), parts)
     feed = cut.feed_per_tooth * cutter.flutes * cut.spindle / (2.0 * pi)
     peak_force, peak, peak_torque = np.zeros(3), 0.0, 0.0
     if peaks and end > start and cut.ap > 0.0:
-        for theta in _peak_angles(cutter, cut, run_out is not None):
+        for theta in _peak_angles(cutter, cut, _differ(cutter, run_out)):
             now, moment = instantaneous_forces(cutter, law, cut, theta, lead_angle, run_out)
             peak_force = np.maximum(peak_force, np.abs(now))
             peak = max(peak, float(np.sqrt((now * now).sum())))
@@ -309,12 +346,15 @@ def end_mill_forces(
 def _peak_angles(cutter: Cutter, cut: ConstantCut, whole_turn: bool) -> list[float]:
     """Angles of tooth 0 [rad] at which peaks are looked for: over one pitch, and where contact begins or ends."""
     pitch = 2.0 * pi / cutter.flutes
-    late = _lag(cutter) * cut.ap
     start, end = cut.limits(cutter.diameter)
-    corners = [angle + lag for angle in (start + 1e-9, end - 1e-9) for lag in (0.0, late)]
-    turns = cutter.flutes if whole_turn else 1
+    heights = [0.0, cut.ap] if cutter.up_cut is None else [0.0, min(cutter.up_cut, cut.ap), cut.ap]
+    turns, late = cutter.flutes if whole_turn else 1, late_at(cutter, np.array(heights))
     even = [i * pitch / _TURN_ANGLES for i in range(_TURN_ANGLES)]
-    return [angle + turn * pitch for turn in range(turns) for angle in (*even, *corners)]
+    found = []
+    for tooth, at in enumerate(starts_of(cutter)[:turns].tolist()):
+        corners = [angle + lag for angle in (start + 1e-9, end - 1e-9) for lag in late[tooth].tolist()]
+        found += [angle + tooth * pitch for angle in even] + [angle - at for angle in corners]
+    return found
 
 
 def tooth_chips(
@@ -357,9 +397,7 @@ def plunge_forces(cutter: Cutter, law: Law, *, feed_per_rev: float, spindle: flo
         else:
             continue
         width, none = row[8] * nodes.b * cutter.flutes, np.zeros_like(nodes.kappa)
-        found = _elements(nodes, width, none, none)
-        found[:, -1] = c * cos(nodes.kappa)
-        parts.append(found)
+        parts.append(_elements(nodes, width, none, c * cos(nodes.kappa), along=True))
     force, torque = _summed(edge_law(cutter, law), parts)
     force[:2] = 0.0  # all lips together push nowhere to the side
     if cutter.chisel_length > 0.0:

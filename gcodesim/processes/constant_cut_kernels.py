@@ -10,9 +10,10 @@ from gcodesim.compiled import kernel
 
 Array = NDArray[np.float64]
 
-# Columns of elements: radius and width [m], sine and cosine of kappa and of phi, chip thickness [m].
-RADIUS, WIDTH, SIN_KAPPA, COS_KAPPA, SIN_PHI, COS_PHI, CHIP = 0, 1, 2, 3, 4, 5, 6
-COLUMNS = 7
+# Columns of elements: radius and width [m], sine and cosine of kappa and of phi, chip thickness [m], and 1 or -1, by
+# which the force along the edge is multiplied.
+RADIUS, WIDTH, SIN_KAPPA, COS_KAPPA, SIN_PHI, COS_PHI, CHIP, SENSE = 0, 1, 2, 3, 4, 5, 6, 7
+COLUMNS = 8
 SUMS = 4  # force in K [N] and torque [N·m]
 
 
@@ -30,6 +31,7 @@ def add_elements(elements: Array, law: Array, sums: Array) -> None:
         ft = b * ((law[0, 0] * power(chip, law[0, 1]) if chip > 0.0 else 0.0) + law[0, 2])
         fr = b * ((law[1, 0] * power(chip, law[1, 1]) if chip > 0.0 else 0.0) + law[1, 2])
         fa = b * ((law[2, 0] * power(chip, law[2, 1]) if chip > 0.0 else 0.0) + law[2, 2])
+        fa *= elements[i, SENSE]
         sin_kappa, cos_kappa = elements[i, SIN_KAPPA], elements[i, COS_KAPPA]
         inward = fr * sin_kappa + fa * cos_kappa
         sums[0] += -ft * elements[i, COS_PHI] - inward * elements[i, SIN_PHI]

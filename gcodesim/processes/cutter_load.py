@@ -1,9 +1,9 @@
 """How hard a cut is for its cutter: bending, chips with run-out, chip load, chatter.
 
 Only for tools that say what they are made of, how they run out, which chips they may take, or how they swing. Bending
-takes part in the cut: the tip gives way as a cantilever (`tool_bending`). Run-out does not: the chip of the tooth that
-stands out most is told, and the peak force grown as the law grows from one chip to the other, an upper bound where
-several teeth cut at once. Chatter is judged by the lobes of `stability`, with the same mode in both directions.
+and run-out take part in the cut: the tip gives way as a cantilever (`tool_bending`), and each tooth has a chip of its
+own (`uneven_kernels`). Chatter is judged by the lobes of `stability`, with the same mode in both directions, as of
+teeth that are evenly spread.
 """
 
 from __future__ import annotations
@@ -90,38 +90,16 @@ class CutterLoad:
         bend = np.zeros(len(out))
         if self._cutter.substrate is not None:
             bend = norms(applied(tool_compliance(self._cutter, window.axis), out[:, m.WRENCH : m.WRENCH + 6]))
-        most = np.where(chip > 0.0, np.minimum(chip + self._eccentric, chip * self._cutter.flutes), 0.0)
         depth = out[:, m.OUT_DEPTH]
         stable = self._stable_depths(out[:, m.OUT_ENTRY], out[:, m.OUT_EXIT], depth, chip, window)
         over = np.maximum(depth - stable, 0.0)
         return {
             "tool_bend": bend,
-            "tooth_chip": most,
-            "runout_force": peak * self._growth(chip, most),
+            "tooth_chip": chip,
+            "runout_force": peak,
             "beyond_stable": over,
             "unstable_depth": np.where(over > 0.0, depth, 0.0),
         }
-
-    @property
-    def _eccentric(self) -> float:
-        """By how much the chip of one tooth is thicker than without run-out [m]."""
-        from gcodesim.processes.constant_cut import RunOut
-
-        if not self._cutter.runout or self._cutter.flutes < 2:
-            return 0.0
-        growth = RunOut(offset=self._cutter.runout).growth(self._cutter.flutes, 0.0, np.zeros(1))[:, 0]
-        return float((growth - np.roll(growth, -1)).max())
-
-    def _growth(self, chip: Array, most: Array) -> Array:
-        """Tangential force (n,) at the chips `most` over that at `chip`."""
-        grown = np.ones(len(chip))
-        if self._law is None:
-            return grown
-        factor, exponent, edge = self._law.packed[0]
-        for i in np.flatnonzero(most > chip):
-            thin, thick = (float(factor * power(float(h[i]), float(exponent)) + edge) for h in (chip, most))
-            grown[i] = thick / thin if thin > 0.0 else 1.0
-        return grown
 
     def _stable_depths(self, entry: Array, leave: Array, depth: Array, chip: Array, window: Window) -> Array:
         """The depth (n,) [m] without chatter, infinite where nothing is known of it."""

@@ -9,8 +9,10 @@ import numpy as np
 from gcodesim.arithmetic.elementary import cos, power
 from gcodesim.frozen import frozen
 from gcodesim.processes.laws import Array, Law
+from gcodesim.processes.uneven import split_pieces
 from gcodesim.tools.chisel_edge import push_factor
 from gcodesim.tools.cutter import Cutter
+from gcodesim.tools.teeth import helices_of
 from gcodesim.units import MM
 
 _USUAL_FEED: Final = 0.015
@@ -33,16 +35,35 @@ class SquareEdges:
         return rows
 
 
+@frozen(kw_only=False)
+class LeftHand:
+    """A law of edges with a left-hand helix: along the edge they are pushed where others are pulled.
+
+    In oblique cutting that force has the sign of the inclination (Altintas 2012, sec. 2.8.2); constants are those of
+    the usual right-hand edges, which lift the chips.
+    """
+
+    law: Law
+
+    @property
+    def packed(self) -> Array:
+        rows = np.array(self.law.packed)
+        rows[2, 0], rows[2, 2] = -rows[2, 0], -rows[2, 2]
+        return rows
+
+
 def edge_law(cutter: Cutter, law: Law) -> Law:
     """The law of the edges of a cutter."""
-    return SquareEdges(law) if cutter.axial else law
+    if cutter.axial:
+        return SquareEdges(law)
+    return LeftHand(law) if helices_of(cutter)[0] < 0.0 else law
 
 
 def edge_pieces(cutter: Cutter, law: Law | None) -> Array:
     """The outline (k, 10) of an edge with the push of each piece [N/m], see `edge_kernels`: that of a chisel edge."""
     from gcodesim.processes.edge_kernels import LENGTH, WEIGHT
 
-    pieces = cutter.edge
+    pieces = split_pieces(cutter, cutter.edge)
     push = np.zeros(len(pieces))
     if cutter.chisel_length > 0.0 and law is not None:
         push[0] = chisel_push(cutter, law) / (cutter.flutes * pieces[0, LENGTH] * pieces[0, WEIGHT])

@@ -13,7 +13,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from gcodesim.arithmetic.power_kernels import power
 from gcodesim.compiled import kernel
 from gcodesim.material.kernels import Field, coarsest
 from gcodesim.processes.cylinder_kernels import contact_of_cylinder
@@ -43,9 +42,29 @@ from gcodesim.processes.edge_kernels import (
     turned,
 )
 from gcodesim.processes.engagement_kernels import NOWHERE, Room, contact_of_rows
-from gcodesim.processes.law_kernels import COSINE, GROWN, GROWN_COSINE, GROWN_SINE, SINE, TABLE, power_at
+from gcodesim.processes.law_kernels import (
+    AXIAL,
+    COSINE,
+    GROWN,
+    GROWN_COSINE,
+    GROWN_SINE,
+    NORMAL,
+    SINE,
+    TABLE,
+    TANGENTIAL,
+    UNIT_L,
+    UNIT_TURN,
+    UNIT_U,
+    UNIT_Z,
+    ForceLaw,
+    Scale,
+    power_at,
+    scale_of,
+)
 from gcodesim.processes.rim_kernels import widest_below
 from gcodesim.processes.seam_kernels import DROP, LEVER, LIMIT, ROW
+from gcodesim.processes.uneven_force_kernels import greatest_uneven_chip, uneven_forces
+from gcodesim.processes.uneven_kernels import Uneven, are_uneven
 
 Array = NDArray[np.float64]
 
@@ -61,27 +80,9 @@ RESULT = 13
 F_U, F_L, F_Z, TILT_U, TILT_L, LIFT, TURN, SHARES, MOST, WIDEST = 0, 1, 2, 3, 4, 5, 6, 7, 8, 9
 SUMS = 10
 
-TANGENTIAL, NORMAL, AXIAL = 0, 1, 2  # components of a law
-
-# Rows of `Room.unit`
-UNIT_U, UNIT_L, UNIT_Z, UNIT_TURN = 0, 1, 2, 3
-
-
-class ForceLaw(NamedTuple):
-    """Force per width of an edge, factor h**exponent + rub, each (3,).
-
-    powers (3, TABLE) and means (MEANS, ANGLES): see `fill_tables`.
-    """
-
-    factor: Array
-    exponent: Array
-    rub: Array
-    powers: Array
-    means: Array
-
 
 class Teeth(NamedTuple):
-    """The edges of a cutter, all alike and evenly spread."""
+    """The edges of a cutter, all alike and evenly spread but for what `uneven` says."""
 
     radius: float  # [m]
     number: float
@@ -90,20 +91,7 @@ class Teeth(NamedTuple):
     pieces: Array  # (k, 10) outline, see `Cutter.edge`; and the push of each piece [N/m]
     law: ForceLaw
     circle: Circle
-
-
-class Scale(NamedTuple):
-    """factor c**exponent of each component, with c the feed per tooth: force per width [N/m] of a chip that thick."""
-
-    tangential: float
-    normal: float
-    axial: float
-
-
-@kernel(lean=True, inlined=True)
-def scale_of(law: ForceLaw, component: int, chip: float) -> float:
-    """One component of `Scale`."""
-    return float(law.factor[component] * power(chip, law.exponent[component])) if chip > 0.0 else 0.0
+    uneven: Uneven
 
 
 @kernel(lean=True, inlined=True)
@@ -268,12 +256,18 @@ def cutting_force(
             seams = contact_of_cylinder(field, teeth.circle, tip, heading, room, first, number)
             if seams == NOWHERE:
                 continue
-            add_cylinder(teeth.law, level, scale, room, first, number, seams)
+            if are_uneven(teeth.uneven) and chip > 0.0:
+                add_uneven(teeth, heading, scale, chip, room, first, number, seams, True)
+            else:
+                add_cylinder(teeth.law, level, scale, room, first, number, seams)
         else:
             seams = contact_of_rows(field, pieces, teeth.circle, tip, heading, room, first, number, last, widest)
             if seams == NOWHERE:
                 continue
-            add_rows(teeth, heading, scale, room, first, number, straight, seams)
+            if are_uneven(teeth.uneven) and chip > 0.0:
+                add_uneven(teeth, heading, scale, chip, room, first, number, seams, False)
+            else:
+                add_rows(teeth, heading, scale, room, first, number, straight, seams)
         used += number
         steepest = max(steepest, rows[used - 1, SIN_KAPPA])
     if used == 0:
@@ -332,6 +326,14 @@ def with_limit(begin: int, end: int, limit: float) -> tuple[int, int]:
 
 
 @kernel(lean=True, inlined=True)
+def mend_width(law: ForceLaw, radius: float, limit: float, sums: Array) -> None:
+    """The same for the radial width of a cylinder, of whose `radius` [m] this is the share that ends at the limit."""
+    m = min(int(limit), ANGLES // 2 - 1)
+    missing = radius * missing_before(law.means[SINE], m, limit - m)
+    sums[WIDEST, m] += missing / law.means[SINE, m]  # which `sum_up` multiplies it with
+
+
+@kernel(lean=True, inlined=True)
 def add_cylinder(law: ForceLaw, level: float, scale: Scale, room: Room, first: int, number: int, seams: int) -> None:
     """Forces of the rows first..first + number, which are those of a cylinder and share seams."""
     rows, numbers, half = room.rows, room.seams.numbers, ANGLES // 2
@@ -345,9 +347,7 @@ def add_cylinder(law: ForceLaw, level: float, scale: Scale, room: Room, first: i
     for seam in range(seams):
         limit, drop, lever = numbers[LIMIT, seam], numbers[DROP, seam], numbers[LEVER, seam]
         mend_limit(law, rows[first], room.unit[:, :half], limit, drop, lever, room.sums)
-        m = min(int(limit), half - 1)
-        missing = rows[first, RADIUS] * drop / number * missing_before(law.means[SINE], m, limit - m)
-        room.sums[WIDEST, m] += missing / law.means[SINE, m]  # which `sum_up` multiplies it with
+        mend_width(law, rows[first, RADIUS] * drop / number, limit, room.sums)
 
 
 @kernel(lean=True, inlined=True)
@@ -406,6 +406,39 @@ def add_rows(
 
 
 @kernel(lean=True)
+def add_uneven(
+    teeth: Teeth, heading: Heading, scale: Scale, chip: float, room: Room, first: int, number: int, seams: int,
+    cylinder: bool,
+) -> None:  # fmt: skip
+    """The same where teeth differ: force per width is another one at each height.
+
+    Rows of a cylinder share seams, which are mended by the force in the middle of its height.
+    """
+    rows, places, numbers, unit = room.rows, room.seams.places, room.seams.numbers, room.unit
+    last, seam = ANGLES if heading.climb < 0.0 else ANGLES // 2, 0
+    for j in range(number):
+        i = first + (j + number // 2 + 1) % number  # the middle one last
+        begin, end = int(rows[i, FROM]), int(rows[i, TO])
+        seam = 0
+        while not cylinder and seam < seams and places[ROW, seam] != i:
+            seam += 1
+        own = seam
+        while own < seams and (cylinder or places[ROW, own] == i):
+            begin, end = with_limit(begin, end, numbers[LIMIT, own])
+            own += 1
+        begin, end = max(begin - 1, 0), min(end + 1, last)
+        uneven_forces(teeth.uneven, teeth.law, teeth.circle, heading, scale, chip, rows[i], begin, end, unit)
+        if rows[i, PUSHED] > 0.0:
+            press(rows[i, PUSHED], unit[:, begin:end])
+        add_row(rows[i], unit, room.weights[i], room.sums)
+        for k in range(seam, own if not cylinder or j == number - 1 else seam):
+            limit, drop, lever = numbers[LIMIT, k], numbers[DROP, k], numbers[LEVER, k]
+            mend_limit(teeth.law, rows[first if cylinder else i], unit[:, :last], limit, drop, lever, room.sums)
+            if cylinder:
+                mend_width(teeth.law, rows[first, RADIUS] * drop / number, limit, room.sums)
+
+
+@kernel(lean=True)
 def greatest_sine(circle: Circle, most: Array, k: int) -> float:
     """Greatest sin(phi) over that part of angle k, most[k] of it, that is in contact."""
     half = np.pi / ANGLES
@@ -461,6 +494,9 @@ def sum_up(
         if w > LEAST_SHARE:
             entry, leave = min(entry, (k + 1.0 - w) * delta), max(leave, (k + w) * delta)
     result[CHIP] = chip * (level * foremost_sine(teeth.circle, sums[MOST]) * steepest)
+    if are_uneven(teeth.uneven) and chip > 0.0:
+        foremost = foremost_sine(teeth.circle, sums[MOST])
+        result[CHIP] = greatest_uneven_chip(teeth.uneven, heading, chip, rows, used, foremost)
     if climb < 0.0:  # the bottom takes the chip of the fall
         result[CHIP] = max(result[CHIP], -chip * climb * rows[0, COS_KAPPA])
     if result[CONTACT] <= 0.0:

@@ -5,6 +5,8 @@ The means are exact integrals, so that mean forces do not depend on how many ang
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -26,6 +28,38 @@ MEANS = 11
 NODES = np.array([-0.9061798459386640, -0.5384693101056831, 0.0, 0.5384693101056831, 0.9061798459386640])
 WEIGHTS = np.array([0.2369268850561891, 0.4786286704993665, 0.5688888888888889, 0.4786286704993665, 0.2369268850561891])
 PARTS = 4  # of an angle, with nodes of their own
+
+TANGENTIAL, NORMAL, AXIAL = 0, 1, 2  # components of a law
+
+# Rows of `Room.unit`
+UNIT_U, UNIT_L, UNIT_Z, UNIT_TURN = 0, 1, 2, 3
+
+
+class ForceLaw(NamedTuple):
+    """Force per width of an edge, factor h**exponent + rub, each (3,).
+
+    powers (3, TABLE) and means (MEANS, ANGLES): see `fill_tables`.
+    """
+
+    factor: Array
+    exponent: Array
+    rub: Array
+    powers: Array
+    means: Array
+
+
+class Scale(NamedTuple):
+    """factor c**exponent of each component, with c the feed per tooth: force per width [N/m] of a chip that thick."""
+
+    tangential: float
+    normal: float
+    axial: float
+
+
+@kernel(lean=True, inlined=True)
+def scale_of(law: ForceLaw, component: int, chip: float) -> float:
+    """One component of `Scale`."""
+    return float(law.factor[component] * power(chip, law.exponent[component])) if chip > 0.0 else 0.0
 
 
 @kernel

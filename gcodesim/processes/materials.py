@@ -4,12 +4,12 @@ Tables disagree by a factor of two (42CrMo4 at h = 0.1 mm: 2500 to 4500 N/mm²),
 so every material carries its source and condition. Corrections that tables may
 leave out, and that a user may have to apply, once, to constants that do not contain them:
 
-- rake: K = 1 - (gamma - gamma0) / 100 per degree, gamma0 the rake of the table
-  (Tabellenbuch: 6 degrees steel, 2 cast iron, 12 aluminium; Sandvik, Seco: 0);
 - wear: 1.2 for a used edge to 1.5 for a dull one;
 - milling with constants from turning: 1.2 (Tabellenbuch).
 
-No correction is applied here.
+None of these is applied here. Rake is: a tool that says its own gets a law corrected by what that differs from the
+rake of the table (`laws.with_rake`), where the source tells it (Tabellenbuch: 6 degrees steel, 2 cast iron, 12
+aluminium; Seco: 0).
 """
 
 from __future__ import annotations
@@ -23,7 +23,8 @@ from typing import Any, Final
 
 from gcodesim.family import Family
 from gcodesim.frozen import frozen
-from gcodesim.processes.laws import DEFAULT_AXIAL_RATIO, DEFAULT_NORMAL_RATIO, Kienzle, LinearEdge
+from gcodesim.processes.laws import DEFAULT_AXIAL_RATIO, DEFAULT_NORMAL_RATIO, Kienzle, LinearEdge, with_rake
+from gcodesim.units import DEG
 
 _FILE: Final = Path(__file__).parent.parent / "data" / "materials.json"
 
@@ -46,6 +47,12 @@ class Material:
     assumed: tuple[str, ...] = ()
     usable: bool = True
     aliases: tuple[str, ...] = ()
+    rake: float | None = None
+    """Of the edges [rad] that its constants hold for; None: the source does not say."""
+
+    def law_for(self, rake: float | None) -> Kienzle | LinearEdge | None:
+        """The law of edges with a `rake` [rad]; None: as the table has them."""
+        return None if self.law is None else with_rake(self.law, rake, self.rake)
 
 
 MATERIALS: Final = Family("materials", of="gcodesim.processes.materials:Material", called="id")
@@ -122,6 +129,7 @@ def _kienzle(row: dict[str, Any], table: dict[str, Any]) -> Material:
         assumed=tuple(assumed),
         usable=row.get("usable", True),
         aliases=tuple(row.get("aliases", ())),
+        rake=row["rake_deg"] * DEG if "rake_deg" in row else None,
     )
 
 

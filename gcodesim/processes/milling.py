@@ -1,7 +1,7 @@
 """Milling and drilling: cutting forces, deflection and removal of a rotating cutter.
 
 Mean wrench over a revolution by the mechanistic model (Altintas 2012, ch. 2) with the engagement read from the
-stock. Simplifications: what run-out and chatter do to the cut is not modelled (`cutter_load` tells of them); tools bend
+stock. Simplifications: what chatter does to the cut is not modelled (`cutter_load` tells of it); tools bend
 only where the cell says what they are made of; chip thickness is that of a circular tooth path; edges below the tip
 centre of a plunging flat end mill are treated like any other edges (kappa = 0, h = feed per tooth).
 """
@@ -28,11 +28,13 @@ from gcodesim.processes.protocol import Process
 from gcodesim.processes.rows import Rows
 from gcodesim.processes.signal import SPINDLE, Signal
 from gcodesim.processes.turns import Turns
+from gcodesim.processes.uneven import packed_teeth
 from gcodesim.processes.wear import WEAR, worn
 from gcodesim.processes.window import ProcessState, ProcessStep, Window
 from gcodesim.processes.zone import Zone
 from gcodesim.tools.cutter import Cutter
 from gcodesim.tools.sections import Frustum, shapes_of
+from gcodesim.tools.teeth import helices_of
 from gcodesim.units import MM, UM
 
 if TYPE_CHECKING:
@@ -123,7 +125,7 @@ class Milling(Process):
     @classmethod
     def of(cls, tool: Cutter, material: Material | None) -> Milling:
         """The process of a cutter in stock of `material`."""
-        return cls(cutter=tool, law=None if material is None else material.law)
+        return cls(cutter=tool, law=None if material is None else material.law_for(tool.rake))
 
     @classmethod
     def columns_of(cls, tool: Cutter) -> tuple[Column, ...]:
@@ -359,8 +361,8 @@ class Milling(Process):
     @property
     def _teeth(self) -> Teeth:
         from gcodesim.processes.edge_kernels import ANGLES, Circle
-        from gcodesim.processes.force_kernels import ForceLaw, Teeth
-        from gcodesim.processes.law_kernels import MEANS, TABLE, fill_tables
+        from gcodesim.processes.force_kernels import Teeth
+        from gcodesim.processes.law_kernels import MEANS, TABLE, ForceLaw, fill_tables
 
         cutter = self.cutter
         law = np.array([[0.0, 1.0, 0.0]] * 3) if self.law is None else edge_law(cutter, self.law).packed
@@ -372,11 +374,12 @@ class Milling(Process):
         return Teeth(
             radius=float(cutter.radius),
             number=float(cutter.flutes),
-            lag=tan(cutter.helix),
+            lag=tan(helices_of(cutter)[0]),
             height=float(cutter.edge_height),
             pieces=edge_pieces(cutter, self.law),
             law=ForceLaw(factor, exponent, rub, powers, means),
             circle=Circle(sine, cosine),
+            uneven=packed_teeth(cutter, exponent),
         )
 
     @cached_property
@@ -388,7 +391,8 @@ class Milling(Process):
         from gcodesim.processes.peak_kernels import BORDERS, GAP, GAPS, MOST_OF_ROW, STRETCHES
         from gcodesim.processes.seam_kernels import NUMBERS, PLACES, SEAMS, Seams
 
-        rows = SLICES * max(LEAST_PIECES, len(self.cutter.edge))
+        rows = SLICES * max(LEAST_PIECES, len(self.packed_tool.teeth.pieces))
+        teeth = self.cutter.flutes if self.cutter.uneven else 1
         return Room(
             rows=np.zeros((rows, COLUMNS)),
             weights=np.zeros((rows, ANGLES)),
@@ -399,7 +403,7 @@ class Milling(Process):
             places=Places(np.zeros(ANGLES), np.zeros(ANGLES), np.zeros(ANGLES)),
             leans=np.zeros(ANGLES),
             seams=Seams(np.zeros((PLACES, SEAMS), dtype=np.int64), np.zeros((NUMBERS, SEAMS))),
-            stretches=np.zeros((rows * MOST_OF_ROW, STRETCHES)),
+            stretches=np.zeros((teeth * rows * MOST_OF_ROW, STRETCHES)),
             borders=np.zeros((2, BORDERS)),
             gaps=np.zeros((GAPS, GAP)),
             load=np.zeros(4),

@@ -42,12 +42,12 @@ from gcodesim.processes.force_kernels import (
     ENTRY,
     EXIT,
     RESULT,
-    TANGENTIAL,
     TORQUE,
     WIDTH,
     Teeth,
     cutting_force,
 )
+from gcodesim.processes.law_kernels import TANGENTIAL
 from gcodesim.processes.peak_kernels import peaks_of
 from gcodesim.processes.travel_kernels import (
     SAME_WAY,

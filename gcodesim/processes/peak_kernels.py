@@ -7,7 +7,8 @@ them the force is greatest at one end, or where parabolas find it.
 A *stretch* is a part of the edge that is in contact from one angle to another: a row of one tooth, or all rows of a
 cylinder. Its lowest and its highest point enter and leave at turning angles of their own, because the helix makes the
 upper one late and because the wall may be elsewhere at its height; what is between them does so evenly. All teeth are
-alike, so that one pitch is enough. Frame K and phi as in `edge_kernels`; a turning angle is phi of a tooth at the tip.
+alike, so that one pitch is enough; where they are not (`uneven_kernels`), a whole turn is the pitch, and each tooth
+lays stretches of its own. Frame K and phi as in `edge_kernels`; a turning angle is phi of a tooth at the tip.
 """
 
 from __future__ import annotations
@@ -35,20 +36,31 @@ from gcodesim.processes.edge_kernels import (
     turned,
 )
 from gcodesim.processes.engagement_kernels import Room
-from gcodesim.processes.force_kernels import AXIAL, NORMAL, TANGENTIAL, ForceLaw, Scale, Teeth, scale_of
-from gcodesim.processes.law_kernels import TABLE, power_at
+from gcodesim.processes.force_kernels import Teeth
+from gcodesim.processes.law_kernels import AXIAL, NORMAL, TABLE, TANGENTIAL, ForceLaw, Scale, power_at, scale_of
+from gcodesim.processes.uneven_force_kernels import grown_of
+from gcodesim.processes.uneven_kernels import (
+    Uneven,
+    advance_of_tooth,
+    are_uneven,
+    late_at,
+    sense_at,
+    spread_tooth,
+    stretch_at,
+)
 
 Array = NDArray[np.float64]
 
 # Columns of `Turning.stretches`: turning angles [rad] at which the lowest and the highest point enter and leave, and by
 # how much these points are late; the first and the last of these angles; radius [m], sine and cosine of kappa; width of
 # edge [m]; the share of it in material, or -1 where that changes with the angle: then the row whose weights have it and
-# the angles from which to take it; 1 where it goes on in the stretch of the row below, or above; push [N/m].
+# the angles from which to take it; 1 where it goes on in the stretch of the row below, or above; push [N/m]; where
+# teeth differ also the tooth, and the height of the lowest and the highest point [m].
 (
     ENTER_LOW, ENTER_HIGH, LEAVE_LOW, LEAVE_HIGH, LATE_LOW, LATE_HIGH, EARLIEST, LATEST, AT_RADIUS, SINE_AT, COSINE_AT,
-    WIDE, SHARE, ROW_OF, SHARE_FIRST, SHARE_LAST, JOINS_LOW, JOINS_HIGH, PUSHES,
-) = range(19)  # fmt: skip
-STRETCHES = 19
+    WIDE, SHARE, ROW_OF, SHARE_FIRST, SHARE_LAST, JOINS_LOW, JOINS_HIGH, PUSHES, TOOTH, AT_LOW, AT_HIGH,
+) = range(22)  # fmt: skip
+STRETCHES = 22
 MOST_OF_ROW = ANGLES // 2  # stretches of one row
 
 ONE = 2.0 * np.pi / ANGLES  # angle [rad]
@@ -90,6 +102,8 @@ class Chips(NamedTuple):
     circle: Circle
     pitch: float  # [rad]
     blur: float  # [m] over which a wall is soft
+    chip: float  # [m] feed per tooth
+    uneven: Uneven
 
 
 class TipLoad(NamedTuple):
@@ -253,26 +267,46 @@ def close_stretch(stretch: Array) -> None:
     stretch[LATEST] = max(stretch[LEAVE_LOW], stretch[LEAVE_HIGH])
 
 
+@kernel(lean=True, inlined=True)
+def late_of(teeth: Teeth, tooth: int, z: float) -> float:
+    """By how much a tooth is late at z [m]: [rad]."""
+    if are_uneven(teeth.uneven):
+        return late_at(teeth.uneven, tooth, z)
+    return float(teeth.lag / teeth.radius * z)
+
+
+@kernel(lean=True, inlined=True)
+def goes_back(teeth: Teeth, row: Array, below: Array) -> bool:
+    """Whether a helix goes another way in a row than in the one below."""
+    if not are_uneven(teeth.uneven):
+        return False
+    middle, middle_below = 0.5 * (row[LOW] + row[HIGH]), 0.5 * (below[LOW] + below[HIGH])
+    return stretch_at(teeth.uneven, middle) != stretch_at(teeth.uneven, middle_below)
+
+
 @kernel(lean=True)
-def lay_stretches(teeth: Teeth, chips: Chips, room: Room, used: int, stretches: Array) -> int:
+def lay_stretches(teeth: Teeth, tooth: int, chips: Chips, room: Room, used: int, stretches: Array) -> int:
     """The stretches of one tooth from the first `used` rows of `room`, lowest first; returns how many there are."""
     rows, weights = room.rows, room.weights
-    late = teeth.lag / teeth.radius
     number, first, end = 0, 0, 0  # those of the last row are first..end
     for i in range(used):
         row = rows[i]
-        if end > first and same_row(row, rows[i - 1], weights[i], weights[i - 1]):
+        same = end > first and same_row(row, rows[i - 1], weights[i], weights[i - 1])
+        if same and not goes_back(teeth, row, rows[i - 1]):
             for k in range(first, end):
                 stretches[k, WIDE] += row[EDGE_WIDTH]
-                stretches[k, LATE_HIGH] = late * row[HIGH]
+                stretches[k, LATE_HIGH], stretches[k, AT_HIGH] = late_of(teeth, tooth, row[HIGH]), row[HIGH]
             continue
         if row[SIN_KAPPA] <= UPRIGHT and is_blurred(chips, row, weights[i]):
             number = lay_blurred(chips, row, weights[i], stretches, end)
         else:
             number = lay_row(chips, row, weights[i], stretches, end)
         for k in range(end, number):
-            stretches[k, LATE_LOW], stretches[k, LATE_HIGH] = late * row[LOW], late * row[HIGH]
-            stretches[k, ROW_OF] = i
+            stretches[k, LATE_LOW], stretches[k, LATE_HIGH] = (
+                late_of(teeth, tooth, row[LOW]), late_of(teeth, tooth, row[HIGH])
+            )  # fmt: skip
+            stretches[k, ROW_OF], stretches[k, TOOTH] = i, tooth
+            stretches[k, AT_LOW], stretches[k, AT_HIGH] = row[LOW], row[HIGH]
         if number - end == end - first:
             for k in range(end, number):
                 join(stretches[k - end + first], stretches[k])
@@ -280,6 +314,43 @@ def lay_stretches(teeth: Teeth, chips: Chips, room: Room, used: int, stretches: 
     for k in range(end):
         close_stretch(stretches[k])
     return end
+
+
+@kernel(lean=True)
+def lay_teeth(teeth: Teeth, chips: Chips, room: Room, used: int) -> int:
+    """The stretches of all teeth that differ, or of one; returns how many there are."""
+    if not are_uneven(teeth.uneven):
+        return lay_stretches(teeth, 0, chips, room, used, room.stretches)
+    number = 0
+    for tooth in range(teeth.uneven.late.shape[0]):
+        number += lay_stretches(teeth, tooth, chips, room, used, room.stretches[number:])
+    return number
+
+
+@kernel(lean=True)
+def add_uneven_load(
+    chips: Chips, stretch: Array, place: float, width: float, sine: float, cosine: float, load: Array
+) -> None:
+    """Add to `load` (4,) what a part of a stretch of one tooth bears, `place` of it above its foot, at an angle."""
+    uneven, law, scale, tooth = chips.uneven, chips.law, chips.scale, int(stretch[TOOTH])
+    z, sine_kappa, cosine_kappa = stretch[AT_LOW], stretch[SINE_AT], stretch[COSINE_AT]
+    z += place * (stretch[AT_HIGH] - z)
+    even = chips.level * sine * sine_kappa - chips.climb * cosine_kappa
+    if even <= LEAST_ADVANCE:
+        return
+    spread_tooth(uneven, tooth, z)
+    advance = advance_of_tooth(uneven, tooth, even, sine_kappa / chips.chip)
+    if advance <= LEAST_ADVANCE:
+        return
+    tangential = width * (scale.tangential * grown_of(law, uneven, TANGENTIAL, advance) + law.rub[TANGENTIAL])
+    normal = width * (scale.normal * grown_of(law, uneven, NORMAL, advance) + law.rub[NORMAL])
+    axial = width * (scale.axial * grown_of(law, uneven, AXIAL, advance) + law.rub[AXIAL])
+    axial *= sense_at(uneven, 0.5 * (stretch[AT_LOW] + stretch[AT_HIGH]))
+    inward = normal * sine_kappa + axial * cosine_kappa
+    load[0] -= tangential * cosine + inward * sine
+    load[1] += tangential * sine - inward * cosine
+    load[2] += normal * cosine_kappa - axial * sine_kappa + width * stretch[PUSHES]
+    load[3] += tangential * stretch[AT_RADIUS]
 
 
 @kernel(lean=True, inlined=True)
@@ -291,7 +362,7 @@ def load_between(chips: Chips, stretch: Array, line: Array, angle: float, low: f
     late, part = stretch[LATE_HIGH] - stretch[LATE_LOW], high - low
     nodes = 1 if abs(late * part) < BRIEF else 2
     sine_kappa, cosine_kappa, law, scale = stretch[SINE_AT], stretch[COSINE_AT], chips.law, chips.scale
-    exponent, rub = law.exponent, law.rub
+    exponent, rub, uneven = law.exponent, law.rub, are_uneven(chips.uneven)
     for node in range(nodes):
         place = 0.5 * (low + high) + ((node - 0.5) * NODE * part if nodes == 2 else 0.0)
         width = part * stretch[WIDE] / nodes
@@ -300,13 +371,16 @@ def load_between(chips: Chips, stretch: Array, line: Array, angle: float, low: f
         middle = k + 0.5
         k &= ANGLES - 1
         sine, cosine = turned(chips.circle.sines[k], chips.circle.cosines[k], phi - middle * ONE)
-        advance = min(chips.level * sine * sine_kappa - chips.climb * cosine_kappa, 1.0)
-        if advance <= LEAST_ADVANCE:
-            continue
         if stretch[SHARE] >= 0.0:
             width *= stretch[SHARE]
         else:
             width *= line[min(max(k, int(stretch[SHARE_FIRST])), int(stretch[SHARE_LAST]))]
+        if uneven:
+            add_uneven_load(chips, stretch, place, width, sine, cosine, load)
+            continue
+        advance = min(chips.level * sine * sine_kappa - chips.climb * cosine_kappa, 1.0)
+        if advance <= LEAST_ADVANCE:
+            continue
         grown_t = grown_n = grown_a = advance
         if exponent[TANGENTIAL] != 1.0 or exponent[NORMAL] != 1.0 or exponent[AXIAL] != 1.0:
             at = advance * (TABLE - 1)
@@ -417,14 +491,15 @@ def find_turns(stretches: Array, number: int, pitch: float, borders: Array, foun
 
 
 @kernel(lean=True)
-def find_borders(stretches: Array, number: int, pitch: float, borders: Array) -> int:
+def find_borders(stretches: Array, number: int, teeth: int, pitch: float, borders: Array) -> int:
     """Where force jumps or bends while a pitch goes by, at the ends of the stretches; returns how many there are.
 
-    Of small ones only some that are not near another.
+    Of small ones only some that are not near another. The stretches are those of so many `teeth`.
     """
     whole, found = 0.0, find_turns(stretches, number, pitch, borders, 0)
     for i in range(number):
         whole += stretches[i, WIDE]
+    whole /= teeth
     for small in (False, True):
         for i in range(number):
             stretch = stretches[i]
@@ -432,7 +507,7 @@ def find_borders(stretches: Array, number: int, pitch: float, borders: Array) ->
                 continue
             for low, high in ((ENTER_LOW, ENTER_HIGH), (LEAVE_LOW, LEAVE_HIGH)):
                 jumps = abs(stretch[low] - stretch[high]) <= APART
-                near = NEARBY * pitch if small and not jumps else APART
+                near = NEARBY * pitch / teeth if small and not jumps else APART
                 if jumps or stretch[JOINS_LOW] == 0.0:
                     found = keep_border(borders, found, stretch[low], pitch, jumps, near)
                 if not jumps and stretch[JOINS_HIGH] == 0.0:
@@ -546,11 +621,15 @@ def peaks_of(
 
     The first `used` rows of `room` are those of `cutting_force` for the feed per tooth `chip` [m].
     """
+    if are_uneven(teeth.uneven) and chip <= 0.0:
+        return 0.0, 0.0
     law = teeth.law
     scale = Scale(scale_of(law, TANGENTIAL, chip), scale_of(law, NORMAL, chip), scale_of(law, AXIAL, chip))
-    chips = Chips(law, scale, level, climb, teeth.circle, 2.0 * np.pi / teeth.number, blur)
-    number = lay_stretches(teeth, chips, room, used, room.stretches)
-    found = find_borders(room.stretches, number, chips.pitch, room.borders)
+    pitch = 2.0 * np.pi / (1.0 if are_uneven(teeth.uneven) else teeth.number)
+    chips = Chips(law, scale, level, climb, teeth.circle, pitch, blur, chip, teeth.uneven)
+    number = lay_teeth(teeth, chips, room, used)
+    teeth_laid = max(teeth.uneven.late.shape[0], 1)
+    found = find_borders(room.stretches, number, teeth_laid, chips.pitch, room.borders)
     if found == 0:
         return 0.0, 0.0
     gaps = lay_gaps(chips, room, number, found)

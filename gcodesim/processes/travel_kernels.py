@@ -37,8 +37,8 @@ from gcodesim.processes.edge_kernels import (
     Heading,
 )
 from gcodesim.processes.engagement_kernels import Room
-from gcodesim.processes.force_kernels import AXIAL, NORMAL, TANGENTIAL, TORQUE, Teeth
-from gcodesim.processes.law_kernels import COSINE, SINE
+from gcodesim.processes.force_kernels import TORQUE, Teeth
+from gcodesim.processes.law_kernels import AXIAL, COSINE, NORMAL, SINE, TANGENTIAL
 
 LEAST, MOST = 1.0e-3, 4.0  # range of advance over feed for which chips are computed
 SAME_WAY = 1.0 - 0.5 * 0.05 * 0.05  # cosine of the angle by which a contact may turn before it is sampled again

@@ -104,7 +104,7 @@ class Turning(Process):
             cutting=tool.main_edges,
             shank=tool.shank,
             behind=tool.behind,
-            law=None if material is None else material.law,
+            law=None if material is None else material.law_for(tool.rake),
         )
 
     def begin(self) -> ProcessState:
@@ -214,7 +214,8 @@ def drilling_of(drill: Drill, material: Material | None) -> Turning:
     """
     from gcodesim.processes.edge_kernels import AT_R, AT_Z, PUSH, WEIGHT
 
-    law = None if material is None or material.law is None else edge_law(drill, material.law)
+    corrected = None if material is None else material.law_for(drill.rake)
+    law = None if corrected is None else edge_law(drill, corrected)
     teeth = max(2, drill.flutes)
     pieces = edge_pieces(replace(drill, flutes=teeth), law)
     pressed = pieces[:, PUSH] * pieces[:, WEIGHT]

@@ -18,6 +18,7 @@ from gcodesim.frozen import frozen
 from gcodesim.tools.body import Primitive, cylinder
 from gcodesim.tools.sections import Frustum, Shank, bodies_of, sizes_of, stacked
 from gcodesim.tools.sizes import exceeds
+from gcodesim.tools.teeth import RAKE, is_uneven, teeth_problems
 from gcodesim.tools.tool import Tool
 from gcodesim.units import DEG, MM
 
@@ -73,7 +74,7 @@ class EdgeLife:
 
 @frozen
 class Cutter(Tool):
-    """A cutter of revolution with `flutes` equal teeth; lengths [m], angles [rad]."""
+    """A cutter of revolution with `flutes` teeth, all alike unless it says otherwise; lengths [m], angles [rad]."""
 
     process: ClassVar[str] = "milling"
     center_cutting: ClassVar[bool] = True
@@ -85,6 +86,33 @@ class Cutter(Tool):
     diameter: float = key("length", "cutting diameter")
     flutes: int = key("count", "number of teeth", default=2)
     helix: float = key("angle", "helix angle; positive is right-hand", default=30.0 * DEG, rule="30 deg")
+    pitches: tuple[float, ...] | None = key(
+        Vector(Quantity("angle", POSITIVE)),
+        "from each tooth to the one ahead of it, at the tip: a turn together",
+        default=None,
+        rule="all alike",
+        example="[85, 95, 85, 95 deg]",
+    )
+    helices: tuple[float, ...] | None = key(
+        Vector(Quantity("angle")),
+        "helix of each tooth, where they differ",
+        default=None,
+        rule="that of `helix`",
+        example="[35, 38, 35, 38 deg]",
+    )
+    up_cut: float | None = key(
+        Quantity("length", POSITIVE),
+        "compression edges: up to this height they lift chips, above they press them down",
+        default=None,
+        rule="as `helix` has it",
+        example="6 mm",
+    )
+    rake: float | None = key(
+        RAKE,
+        "of its edges, which corrects forces (1 % a degree)",
+        default=None,
+        rule="as the table of the material has it",
+    )
     length: float = key(
         "length",
         "from the tip to the holder",
@@ -114,6 +142,7 @@ class Cutter(Tool):
     runout: float | None = key(
         Quantity("length", NOT_NEGATIVE), "distance of its axis from that of the spindle", default=None, example="5 um"
     )
+    runout_angle: float = key("angle", "of that distance, ahead of the first tooth", default=0.0, quiet=True)
     chip_load: tuple[float, ...] | None = key(
         Vector(Quantity("length", POSITIVE), 2),
         "least and greatest thickness of its chips, from the table of its maker",
@@ -147,6 +176,11 @@ class Cutter(Tool):
     def watched(self) -> bool:
         """Whether its load is told: how it bends, what run-out does, its chips, chatter."""
         return any(value is not None for value in (self.substrate, self.runout, self.chip_load, self.dynamics))
+
+    @property
+    def uneven(self) -> bool:
+        """Whether its teeth are not all alike, see `teeth`."""
+        return is_uneven(self)
 
     @property
     def radius(self) -> float:
@@ -231,10 +265,7 @@ class Cutter(Tool):
 
     def problems(self) -> list[tuple[str, str]]:
         found = Tool.problems(self)
-        if self.flutes < 1:
-            found.append(("flutes", f"`flutes` is {self.flutes}; a cutter has at least one"))
-        if not -89.0 * DEG < self.helix < 89.0 * DEG:
-            found.append(("helix", f"`helix` of {self.helix / DEG:g} deg is no helix; it lies between -89 and 89 deg"))
+        found += teeth_problems(self)
         if self.chip_load is not None and self.chip_load[0] > self.chip_load[1]:
             found.append(("chip_load", "`chip_load` names the least thickness first, then the greatest"))
         if exceeds(self.flute_length, self.length):

@@ -14,12 +14,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.arithmetic.elementary import cos, sin
+from gcodesim.declarations.keys import key
 from gcodesim.declarations.kind import Range
 from gcodesim.declarations.plain_kinds import Whole
 from gcodesim.frames import Pose
 from gcodesim.frozen import frozen
 from gcodesim.solids import Cylinder, Placed
 from gcodesim.tools.body import Primitive
+from gcodesim.tools.teeth import RAKE
 from gcodesim.tools.tool import Tool
 from gcodesim.units import DEG, MM
 
@@ -55,6 +57,13 @@ class LatheTool(Tool):
 
     process: ClassVar[str] = "turning"
     inside: ClassVar[bool] = False
+
+    rake: float | None = key(
+        RAKE,
+        "of its edge, which corrects forces (1 % a degree)",
+        default=None,
+        rule="as the table of the material has it",
+    )
 
     @property
     def blade(self) -> Array:

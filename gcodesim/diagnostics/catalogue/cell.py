@@ -347,6 +347,14 @@ CODES += (
         "Controller or WordAction, and objects Material.",
     ),
     Code(
+        code="GS738",
+        severity=Severity.WARNING,
+        title="A rake that corrects no force",
+        what="A tool says the rake of its edges, and the table of a material does not say for which rake it holds.",
+        why="Forces are those of the table, whatever rake the tool has: about 1 % a degree too high or too low.",
+        remedy="Give constants of your own under `materials:`, with the `rake` of the edges that they hold for.",
+    ),
+    Code(
         code="GS750",
         severity=Severity.ERROR,
         title="The run would overwrite a file",

@@ -93,7 +93,9 @@ def test_run_out_makes_one_chip_thicker_and_the_peak_with_it() -> None:
 
     assert found["tooth_chip"][late] == pytest.approx(plain["chip_thickness"][late] + 20e-6, rel=1e-9)
     assert found["runout_force"][late] == pytest.approx(plain["peak_force"][late] * (70.0 / 50.0), rel=0.01)
-    assert (found.wrench == plain.wrench).all()
+    assert (found["runout_force"] == found["peak_force"]).all()
+    # what one tooth leaves the other takes, so that a law without exponent has the same mean
+    assert found.wrench[late] == pytest.approx(plain.wrench[late], rel=3e-4, abs=0.02)
 
 
 def test_a_cut_deeper_than_the_limit_of_stability_is_told() -> None:

@@ -1,13 +1,13 @@
 """A drill against work that turns: thrust and torque in closed form."""
 
 from math import pi, radians, sin
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from gcodesim.material.revolved import Revolved
 from gcodesim.processes.laws import Kienzle
+from gcodesim.processes.materials import Material
 from gcodesim.processes.turning import drilling_of
 from gcodesim.processes.window import Window
 from gcodesim.tools import TOOLS
@@ -21,7 +21,7 @@ D = 8.0 * MM
 def drilled(chisel, flutes=2, bore=0.0):
     """Thrust [N] and torque [N·m] late in a bore; `chisel` is the length of that edge over the diameter."""
     drill = TOOLS["drill"](diameter=D, flutes=flutes, chisel_edge=chisel * D)
-    process = drilling_of(drill, SimpleNamespace(law=LAW))
+    process = drilling_of(drill, Material(id="own", name="own", law=LAW, source=""))
     stock = Revolved.bar(15.0 * MM, -30.0 * MM, 0.0, bore=bore)
     at = np.zeros((STEPS + 1, 3))
     at[:, 2] = np.linspace(2.0 * MM, -12.0 * MM, STEPS + 1)
