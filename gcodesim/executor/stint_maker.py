@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cache
 from typing import Final
 
 import numpy as np
@@ -112,10 +113,14 @@ class Chords:
         return velocity
 
     def turn(self, span: StepSpan) -> Callable[[float], Array] | None:
-        """`Window.turn` of a span; None where the target moves, too."""
+        """`Window.turn` of a span; None where the target moves, too.
+
+        Each part of a window asks for the turns of all of it: that of a weave or a halving, of which there are hundreds.
+        """
         if len(self.R_SB) != 1:
             return None
 
+        @cache
         def turn(onward: float) -> Array:
             first, second, way = (part[span.here] for part in span.steps.bends(onward))
             first, second = applied(self.R_SB, first), applied(self.R_SB, second)
