@@ -16,18 +16,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.arithmetic.distinct import distinct
-from gcodesim.arithmetic.elementary import cos, sin
-from gcodesim.arithmetic.matrices import applied, multiplied
+from gcodesim.arithmetic.matrices import applied
 from gcodesim.checks.cell_bodies import CellBodies, CellBody
 from gcodesim.checks.meetings import TOUCH, JointWay, Meeting, MovingBodies
 from gcodesim.checks.pairs import pairs_by_kind
 from gcodesim.checks.timed_way import TimedWay
 from gcodesim.checks.way_kernels import JointTree
 from gcodesim.frames import Array, Pose
+from gcodesim.kinematics.chain import Tree
 from gcodesim.scene import PUT, Stay
 
 WANTED: Final = 0.5e-3
 """How deep [m] bodies may be in each other that are meant to touch: a part in what it stands on, a clamp in a part."""
+
+AT_ONCE: Final = 2048
+"""Nodes of a way at which places of bodies are kept at a time."""
 
 Flags = NDArray[np.bool_]
 Pairs = NDArray[np.int64]
@@ -340,21 +343,19 @@ class _Phase:
     def _boxes(self) -> tuple[Array, Array]:
         """Corners (b, 3) of boxes in the world that no body leaves, with half of the clearance around them."""
         woods, way = self.cell.woods, self.way.way
-        frames = _frames(self.cell.tree.joints, way.q)
         reach = self.cell.reach(np.abs(way.q).max(axis=0), [(at, name, X) for name, (at, X) in self.places.items()])
         leaves = applied(0.5 * np.abs(np.diff(way.q, axis=0)) + way.bend, reach).max(initial=0.0)
         room = float(leaves) + max(WANTED, self.search_of.clearance or 0.0)
-        low, high = np.zeros((len(self.cell.bodies), 3)), np.zeros((len(self.cell.bodies), 3))
-        for b, body in enumerate(self.cell.bodies):
-            root = int(woods.root[b])
-            at, size = woods.forest.centre[root], float(woods.forest.radius[root]) + room
-            if body.role in PUT:
-                if body.frame not in self.places:
-                    continue
-                at = self.places[body.frame][1].apply(at)
-            joint = int(self._joint[b])
-            way_of = at[None] if joint < 0 else applied(frames[:, joint, :3, :3], at) + frames[:, joint, :3, 3]
-            low[b], high[b] = way_of.min(axis=0) - size, way_of.max(axis=0) + size
+        bodies, root = self.cell.bodies, woods.root
+        there = np.array([b for b, body in enumerate(bodies) if body.role not in PUT or body.frame in self.places])
+        centre = woods.forest.centre[root[there]]
+        for index, b in enumerate(there.tolist()):
+            if bodies[b].role in PUT:
+                centre[index] = self.places[bodies[b].frame][1].apply(centre[index])
+        size = (woods.forest.radius[root[there]] + room)[:, None]
+        low, high = np.zeros((len(bodies), 3)), np.zeros((len(bodies), 3))
+        least, most = _extent(self.cell.tree.joints, way.q, self._joint[there], centre)
+        low[there], high[there] = least - size, most + size
         return low, high
 
     def _moving(self, rows: NDArray[np.intp]) -> tuple[MovingBodies, int]:
@@ -416,19 +417,19 @@ def _place(search: CellSearch, name: str, stays: Mapping[str, Stay]) -> tuple[in
     return joint, X @ stay.X
 
 
-def _frames(joints: JointTree, q: Array) -> Array:
-    """Poses (n, j, 4, 4) of all joints at `q` (n, j)."""
-    X = np.zeros((*q.shape, 4, 4))
-    for j in range(q.shape[1]):
-        parent = int(joints.parent[j])
-        before = joints.before[j][None] if parent < 0 else multiplied(X[:, parent], joints.before[j])
-        motion = np.tile(np.eye(4), (len(q), 1, 1))
-        axis = joints.axis[j]
-        if joints.prismatic[j]:
-            motion[:, :3, 3] = q[:, j, None] * axis
-        else:
-            K = np.array([[0.0, -axis[2], axis[1]], [axis[2], 0.0, -axis[0]], [-axis[1], axis[0], 0.0]])
-            angle = q[:, j, None, None]
-            motion[:, :3, :3] += sin(angle) * K + (1.0 - cos(angle)) * multiplied(K, K)
-        X[:, j] = multiplied(before, motion)
-    return X
+def _extent(joints: JointTree, q: Array, carrier: NDArray[np.int64], points: Array) -> tuple[Array, Array]:
+    """Corners (m, 3) of boxes that points (m, 3) [m] do not leave which ride on joints `carrier` (m,) along q (n, j)."""
+    from gcodesim.kinematics.tree_kernels import poses_along
+
+    count, base = q.shape[1], np.eye(4)
+    none = np.zeros(0, dtype=np.int64)
+    tree = Tree(*joints, np.zeros(count, dtype=np.int64), none, np.zeros((0, 4, 4)), -1, base)
+    offset = np.tile(base, (len(points), 1, 1))
+    offset[:, :3, 3] = points
+    low, high = np.full(points.shape, np.inf), np.full(points.shape, -np.inf)
+    for first in range(0, len(q), AT_ONCE):
+        some = np.ascontiguousarray(q[first : first + AT_ONCE])
+        X = np.zeros((len(some), len(points), 4, 4))
+        poses_along(some, tree, carrier, offset, np.zeros((count, 4, 4)), X)
+        low, high = np.minimum(low, X[:, :, :3, 3].min(axis=0)), np.maximum(high, X[:, :, :3, 3].max(axis=0))
+    return low, high
