@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gcodesim.arithmetic.distinct import distinct
 from gcodesim.arithmetic.matrices import applied
@@ -18,7 +19,7 @@ SLACK: Final = 1e-5
 
 _GRID: Final = 0.1  # [s] between nodes to begin with, besides the ends of pieces
 _SAFETY: Final = 1.3  # what a curve leaves its chord by, over what it does so at three places
-_ROUNDS: Final = 6
+_ROUNDS: Final = 5  # in which stretches are divided at the most
 _MOST_PARTS: Final = 64  # of one stretch in one round
 _SHARES: Final = (0.25, 0.5, 0.75)
 
@@ -38,15 +39,12 @@ class TimedWay:
         """With nodes at `times`, and so many more that no body leaves the way by more than `SLACK`; `reach` (j,)."""
         nodes = distinct(np.concatenate([times, np.arange(times[0], times[-1], _GRID)]))
         q = joints(nodes)
-        for last in range(_ROUNDS):
-            q0, q1 = q[:-1], q[1:]
-            bend = _SAFETY * _leaves(joints, nodes, q0, q1)
-            slack = applied(bend, reach) if last < _ROUNDS - 1 else np.zeros(len(bend))
-            parts = np.clip(np.ceil(np.sqrt(slack / SLACK)), 1, _MOST_PARTS).astype(np.int64)
+        bend = _leaves(joints, nodes[:-1], nodes[1:], q[:-1], q[1:])
+        for _ in range(_ROUNDS):
+            parts = np.clip(np.ceil(np.sqrt(applied(bend, reach) / SLACK)), 1, _MOST_PARTS).astype(np.int64)
             if not (parts > 1).any():
                 break
-            nodes = _split(nodes, parts)
-            q = joints(nodes)
+            nodes, q, bend = _divided(joints, nodes, q, bend, parts)
         return TimedWay(nodes, JointWay(np.ascontiguousarray(q), bend))
 
     def part(self, begin: float, end: float) -> TimedWay:
@@ -60,18 +58,27 @@ class TimedWay:
         return float(self.time[stretch] + share * (self.time[stretch + 1] - self.time[stretch]))
 
 
-def _leaves(joints: JointsAt, nodes: Array, q0: Array, q1: Array) -> Array:
-    """How far (n, j) the joints are from the straight line in time between nodes, at three places of each stretch."""
-    inner = np.stack([nodes[:-1] + share * np.diff(nodes) for share in _SHARES], axis=1)
+def _leaves(joints: JointsAt, begin: Array, end: Array, q0: Array, q1: Array) -> Array:
+    """How far (n, j) joints leave the straight line in time from one node to another: `_SAFETY` times what they do so
+
+    at three places of each stretch.
+    """
+    inner = np.stack([begin + share * (end - begin) for share in _SHARES], axis=1)
     q = joints(inner.ravel()).reshape(len(q0), len(_SHARES), -1)
     off = [np.abs(q[:, i] - q0 - share * (q1 - q0)) for i, share in enumerate(_SHARES)]
-    most: Array = np.maximum.reduce(off)
-    return most
+    return _SAFETY * np.maximum.reduce(off)
 
 
-def _split(nodes: Array, parts: np.ndarray[tuple[int], np.dtype[np.int64]]) -> Array:
-    """Each stretch in so many equal parts."""
+def _divided(
+    joints: JointsAt, nodes: Array, q: Array, bend: Array, parts: NDArray[np.int64]
+) -> tuple[Array, Array, Array]:
+    """Each stretch in so many equal parts: nodes, joints and what they leave; only where it is divided they are asked."""
     own = np.repeat(np.arange(len(parts)), parts)
     number = np.arange(len(own)) - np.repeat(np.cumsum(parts) - parts, parts)
     step = np.diff(nodes) / parts
-    return np.append(nodes[own] + number * step[own], nodes[-1])
+    times = np.append(nodes[own] + number * step[own], nodes[-1])
+    values, leaves = np.append(q[own], q[-1:], axis=0), bend[own]
+    inner, fresh = np.flatnonzero(number > 0), np.flatnonzero(parts[own] > 1)
+    values[inner] = joints(times[inner])
+    leaves[fresh] = _leaves(joints, times[fresh], times[fresh + 1], values[fresh], values[fresh + 1])
+    return times, values, leaves
