@@ -97,6 +97,22 @@ def airspace(layers: int) -> Case:
     return Case(_ARMS + _MILLS, ("left", "right"), ("table", "table"), (programs[0], programs[1]))
 
 
+def beside(layers: int) -> Case:
+    """Both go to and fro over the same places, a hand's breadth from each other, and cut nothing."""
+    programs = tuple(
+        _START.format(tool=tool)
+        + f"G0 X{-side * 40} Y{-side * 130} Z150\nM200\n"
+        + "".join(
+            f"G1 X{40 * side} Y{-side * (130 - row % 16)} F3000\nG1 X{-40 * side} Y{-side * (130 - row % 16)}\n"
+            for row in range(8 * layers)
+        )
+        + "M201\n"
+        + _END
+        for tool, side in ((1, 1), (2, -1))
+    )
+    return Case(_ARMS + _MILLS, ("left", "right"), ("table", "table"), (programs[0], programs[1]))
+
+
 def _on_disc(radius: float, angle: float) -> str:
     """X and Y of a point [mm] at an angle [deg]."""
     return f"X{radius * math.cos(math.radians(angle)):.3f} Y{radius * math.sin(math.radians(angle)):.3f}"
@@ -153,6 +169,7 @@ CASES: dict[str, Callable[[int], Case]] = {
     "in_turn": in_turn,
     "halves": halves,
     "airspace": airspace,
+    "beside": beside,
     "positioner": positioner,
     "mill_and_loader": mill_and_loader,
     "of_two_lengths": of_two_lengths,

@@ -418,7 +418,7 @@ def _place(search: CellSearch, name: str, stays: Mapping[str, Stay]) -> tuple[in
 
 
 def _extent(joints: JointTree, q: Array, carrier: NDArray[np.int64], points: Array) -> tuple[Array, Array]:
-    """Corners (m, 3) of boxes that points (m, 3) [m] do not leave which ride on joints `carrier` (m,) along q (n, j)."""
+    """Corners (m, 3) of boxes that points (m, 3) [m] do not leave that ride on joints `carrier` (m,) along q (n, j)."""
     from gcodesim.kinematics.tree_kernels import poses_along
 
     count, base = q.shape[1], np.eye(4)

@@ -66,13 +66,14 @@ def _leaves(joints: JointsAt, begin: Array, end: Array, q0: Array, q1: Array) ->
     inner = np.stack([begin + share * (end - begin) for share in _SHARES], axis=1)
     q = joints(inner.ravel()).reshape(len(q0), len(_SHARES), -1)
     off = [np.abs(q[:, i] - q0 - share * (q1 - q0)) for i, share in enumerate(_SHARES)]
-    return _SAFETY * np.maximum.reduce(off)
+    most: Array = _SAFETY * np.maximum.reduce(off)
+    return most
 
 
 def _divided(
     joints: JointsAt, nodes: Array, q: Array, bend: Array, parts: NDArray[np.int64]
 ) -> tuple[Array, Array, Array]:
-    """Each stretch in so many equal parts: nodes, joints and what they leave; only where it is divided they are asked."""
+    """Each stretch in so many equal parts: nodes, joints, what they leave. Only where it is divided they are asked."""
     own = np.repeat(np.arange(len(parts)), parts)
     number = np.arange(len(own)) - np.repeat(np.cumsum(parts) - parts, parts)
     step = np.diff(nodes) / parts

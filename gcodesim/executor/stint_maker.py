@@ -115,7 +115,7 @@ class Chords:
     def turn(self, span: StepSpan) -> Callable[[float], Array] | None:
         """`Window.turn` of a span; None where the target moves, too.
 
-        Each part of a window asks for the turns of all of it: that of a weave or a halving, of which there are hundreds.
+        Each part of a window asks for the turns of all of it; where tools cut together these are hundreds.
         """
         if len(self.R_SB) != 1:
             return None

@@ -175,12 +175,18 @@ def volume_near(stock: Stock, room: tuple[Array, Array]) -> float:
 
 def sweep_room(way: AxisWay, slabs: Array) -> tuple[Array, Array]:
     """The lowest and the highest corner (3,) [m] of a box around all that a body sweeps."""
+    low, high = sweep_rooms(way, slabs)
+    return low.min(axis=0), high.max(axis=0)
+
+
+def sweep_rooms(way: AxisWay, slabs: Array) -> tuple[Array, Array]:
+    """Corners (c, 3) [m] of boxes around what a body sweeps along each piece."""
     widest = float(slabs[:, 5].max())
-    low, high = np.full(3, np.inf), np.full(3, -np.inf)
+    low, high = np.full(way.starts.shape, np.inf), np.full(way.starts.shape, -np.inf)
     for tips, axes in ((way.starts, way.axes_start), (way.ends, way.axes_end)):
         for h in (slabs[:, 1].min(), slabs[:, 2].max()):
             points = tips + axes * h
-            low, high = np.minimum(low, points.min(axis=0)), np.maximum(high, points.max(axis=0))
+            low, high = np.minimum(low, points), np.maximum(high, points)
     # between its ends a turning axis comes farther out than the chord
     bulge = float(np.abs(slabs[:, 1:3]).max()) * float(np.square(way.axes_end - way.axes_start).max())
     return low - widest - bulge, high + widest + bulge

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from itertools import pairwise
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +25,9 @@ Flags = NDArray[np.bool_]
 
 SKIN = 0.05
 """Cells of depth up to which shank and holder only touch the wall of a cut that the tool has just made."""
+
+BESIDE: Final = 1.0
+"""Cells that a tool is away from a stock at least where nothing of the stock is looked at."""
 
 
 @frozen(kw_only=False, eq=False)
@@ -116,7 +119,7 @@ def cut_leaning(
     has left it.
     """
     from gcodesim.processes import milling_kernels as m
-    from gcodesim.processes.leaning_force import feel_and_cut
+    from gcodesim.processes.leaning_force import feel_and_cut, pass_by
 
     tool, kept = process.packed_tool, memory_of(state.values)
     out = np.zeros((len(motion.spindle), m.OUTPUTS))
@@ -125,6 +128,9 @@ def cut_leaning(
         return out
     part = np.repeat(np.arange(len(out)), np.diff(motion.first_piece))
     others = [slabs_of_sections(part, stock.cell) for part in (tool.shank, tool.holder) if len(part)]
+    if stock.columns_along == 1 and keeps_away(stock, way, [slabs_of_cutter(tool, stock.cell), *others]):
+        pass_by(process, way, state)
+        return out
     begin = 0
     if kept.numbers[m.FREEDOM] != m.FREE:
         begins = AxisWay(way.starts, way.starts, way.axes_start, way.axes_start)
@@ -156,6 +162,19 @@ def cut_leaning(
     out[taken & ~motion.rapid & (motion.spindle == 0.0), m.STOPPED] = 1.0
     out[taken & ~motion.rapid & (motion.spindle < 0.0), m.REVERSED] = 1.0
     return out
+
+
+def keeps_away(stock: Stock, way: AxisWay, bodies: list[Array]) -> bool:
+    """Whether these bodies (m, 6) are nowhere on their way in the box of a stock, nor nearly so.
+
+    An arm that changes its posture in a rapid leans its tool beside the stock, which then needs no columns across.
+    """
+    from gcodesim.material.lattice import sweep_rooms
+
+    least, most = stock.bounds
+    low, high = sweep_rooms(way, np.concatenate(bodies))
+    room = BESIDE * stock.cell
+    return bool(((low >= most + room) | (high <= least - room)).any(axis=1).all())
 
 
 def slabs_of_cutter(tool: MillingTool, cell: float) -> Array:

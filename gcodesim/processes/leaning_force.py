@@ -68,6 +68,21 @@ def feel_and_cut(process: Milling, stock: Stock, motion: Motion, way: AxisWay, s
     return np.concatenate(outs)
 
 
+def pass_by(process: Milling, way: AxisWay, state: ProcessState) -> None:
+    """What a tool remembers that leans away from its stock: the same as after `feel_and_cut` in empty space."""
+    from gcodesim.processes import milling_kernels as m
+
+    kept = memory_of(state.values)
+    if process.law is not None:
+        _enter(state.values, way.axes_end[-1])
+        kept.delta[:] = 0.0
+        kept.numbers[m.CUTTING] = 0.0
+    kept.numbers[m.CREDIT] -= norms(way.ends - way.starts).sum()
+    kept.numbers[m.FREEDOM] = m.FREE
+    kept.tip[:] = way.ends[-1]
+    kept.numbers[m.HAS_TIP] = 1.0
+
+
 def _forget_untrue(motion: Motion, out: Array, cell: float, credit: float, state: ProcessState) -> None:
     """No force where nothing is removed nearby, by the same measure as in `mill`.
 

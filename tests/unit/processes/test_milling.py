@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from gcodesim.material.lattice import ensure_lattice
 from gcodesim.material.stock import Stock
 from gcodesim.processes.laws import Kienzle, LinearEdge
 from gcodesim.processes.milling import Milling
@@ -262,6 +263,27 @@ def test_upright_cuts_and_a_leaning_one_between_them_are_felt():
     assert found["removed"].sum() == pytest.approx(60e-3 * 40e-3 * 20e-3 - stock.volume, rel=1e-9)
     plain, _ = run()
     assert np.array_equal(found["removed"][:50], plain["removed"][:50])
+
+
+@pytest.mark.parametrize("gap", [1e-3, 30e-3])
+def test_a_tool_that_leans_beside_its_stock_needs_no_columns_across(gap):
+    """An arm turns its wrist in a rapid: all is as in a stock that has columns in three directions already."""
+    axis = np.tile([0.0, math.sin(0.3), math.cos(0.3)], (40, 1))
+    beside = line((50e-3, 45e-3 + gap, -5e-3), (10e-3, 45e-3 + gap, -5e-3), 40)
+    seen = {}
+    for is_plain in (True, False):
+        stock, process = box(), Milling(cutter=tool(), law=STEEL)
+        state = process.begin()
+        run(stock=stock, process=process, state=state)
+        if not is_plain:
+            ensure_lattice(stock)
+        found, _ = run(beside, stock=stock, process=process, state=state, axis=axis, rapid=np.ones(40, dtype=bool))
+        assert not any(np.any(column) for column in found.columns.values())
+        assert not found.wrench.any() and not found.deflection.any()
+        assert (stock.columns_along == 1) == is_plain
+        seen[is_plain] = state.values
+    if gap > 10e-3:  # nearer the laws look at what is ahead, though nothing comes of it
+        np.testing.assert_allclose(seen[True], seen[False], rtol=0.0, atol=1e-15)
 
 
 def test_a_leaning_tool_that_stands_in_material_cuts_nothing_until_it_has_left():
