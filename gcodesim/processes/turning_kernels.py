@@ -334,7 +334,13 @@ def turn(
             if taken > 0.0:
                 out[k, BUSY] = 1.0
             continue
-        state[LAST] = 0.0
+        if state[LAST] > 0.0:  # where a thread ends the work turns on before the tool is out: it has cut a groove there
+            state[LAST] = 0.0
+            count = _placed(blade.outline, start[0], start[1], hull)
+            taken, news = _cut(lathe.lo, lathe.hi, lathe.number, lathe.z, lathe.dz, hull, count, lathe.low, lathe.high)
+            out[k, REMOVED] += np.pi * taken
+            if news:
+                return c, True
         points = _placed(blade.outline, start[0], start[1], scratch)
         count = swept_outline(scratch[:points], dz, dr, hull)
         out[k, GUARD] = max(out[k, GUARD], _guarded(blade, hull, count))

@@ -400,6 +400,7 @@ class FirstCell:
             return ["# no tool cuts, so none is needed:", "# tools:", "#   1: {type: flat_end_mill, diameter: 6 mm}"]
         lines = ["tools:"]
         unit = "in" if self.found.inch else "mm"
+        written = {tool.scanned.number for tool in self.tools}  # two tools may share an offset
         for tool in self.tools:
             told = tool.scanned
             asked = "; ITS DIAMETER IS A GUESS" if tool.guessed else ""
@@ -419,13 +420,14 @@ class FirstCell:
             text = f"{{{', '.join(values) if told.other is None else told.other.keys}}}"
             lines += [f"  # {source}{asked}", f"  {told.number}: {text}"]
             for number, of in self.found.offsets.items():
-                if number == told.number:
+                if number in written:
                     continue
                 if of == told.number or (of == 0 and not self.seen.changes):
                     lines += [
                         f"  # H{number} or D{number}, the offset with which T{told.number} is used",
                         f"  {number}: {text}",
                     ]
+                    written.add(number)
         return lines
 
 

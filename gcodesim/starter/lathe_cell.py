@@ -6,6 +6,7 @@ import math
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from itertools import pairwise
 from typing import Final
 
 from gcodesim import canon
@@ -21,6 +22,7 @@ _MODEL: Final = "lathe_xz"
 _MOST_TOOLS: Final = 99
 _BESIDE: Final = 1.0 * MM  # of the bar on each face and side: what is turned is at least that much thinner
 _GRIP: Final = 25.0 * MM
+_CLEAR: Final = 1.7 * MM  # of the face, by which rapids pass it: two nose radii nearer where the tip is compensated
 _FREE: Final = 5.0 * MM  # between the lowest cut and the jaws
 _AXIS: Final = 0.5 * MM  # radius below which a tool is on the axis
 _SPEED: Final = 4000.0
@@ -59,6 +61,8 @@ class _Use:
     inch: bool = False
     feeds: list[tuple[float, float, float, float]] = field(default_factory=list)  # radius, z at begin and end
     threads: list[tuple[float, float, float, float]] = field(default_factory=list)  # the same of passes with a pitch
+
+    entries: list[tuple[float, float]] = field(default_factory=list)  # where rapids straight in end, before the face
 
     inward: int = 0
     innermost: float = math.inf
@@ -141,9 +145,24 @@ class LatheCell:
         """Lower end and face of the bar."""
         low = min(min(z, w) for _, z, _, w in self._feeds)
         radial = [(a, z, b) for a, z, b, w in self._feeds if z == w and z > low]
-        faced = [z for a, z, b in radial if min(a, b) < _AXIS]
-        top = max([0.0, *faced]) + (_BESIDE if faced else 0.0)
+        faced = [z for a, z, b in radial if min(a, b) < _AXIS and (a, z, b) not in self._approaches]
+        face = max([0.0, *faced])
+        free = [z for use in self.uses.values() for r, z in use.entries if r < self._radius]  # before the face
+        top = max(face, min([face + (_BESIDE if faced else 0.0), *(z - _CLEAR for z in free if z > face)]))
         return math.floor((low - _FREE - _GRIP) / MM) * MM, top
+
+    @property
+    def _approaches(self) -> set[tuple[float, float, float]]:
+        """Radial feeds (radius at begin, z, radius at end) that come to the axis before the bar: what is fed next goes
+
+        along the axis to it, where no turning tool could go on in the bar.
+        """
+        found = set()
+        for use in self.uses.values():
+            for (a, z, b, w), (c, y, d, v) in pairwise(use.feeds):
+                if z == w == y > v and b == c and max(b, d) < _AXIS and use.kind != "drill":
+                    found.add((a, z, b))
+        return found
 
     def text(self) -> bytes:
         """The cell file."""
@@ -225,7 +244,7 @@ def _dialect_of(program: SourceText) -> tuple[str, str] | None:
 def _uses(events: Iterator[canon.Event], program: SourceText) -> tuple[dict[int, _Use], float, int]:
     """What each tool does, the fastest that the spindle is asked for [rad/s], and the tool where none is called."""
     uses: dict[int, _Use] = {}
-    number, fastest = 0, 0.0
+    number, fastest, faced = 0, 0.0, False
     at: tuple[float, float] | None = None
     before: tuple[float, float] | None = None
     for event in events:
@@ -242,6 +261,9 @@ def _uses(events: Iterator[canon.Event], program: SourceText) -> tuple[dict[int,
                 use = uses.setdefault(number, _Use())
                 passes = use.feeds if getattr(event, "pitch", None) is None else use.threads
                 passes.append((at[0], at[1], *here))
+                faced = faced or (at[1] == here[1] and min(at[0], here[0]) < _AXIS)
+            if at is not None and isinstance(event, canon.Rapid) and at[1] == here[1] and here[0] < at[0] and not faced:
+                uses.setdefault(number, _Use()).entries.append(here)
             if at is not None and number in uses:
                 _note_inside(uses[number], at, here, before)
             at, before = here, at
@@ -281,7 +303,8 @@ def _comment(program: SourceText, line: int) -> str:
     """The comment of a line, or, where it has none, of the line before."""
     for number in (line, line - 1):
         if found := _NOTE.search(program.line(number)):
-            return (found[1] or found[2] or "").strip()
+            said = (found[1] or found[2] or "").strip()
+            return said if any(letter.isalnum() for letter in said) else ""
     return ""
 
 

@@ -134,6 +134,18 @@ def test_a_thread_is_told_beside_the_body_of_revolution() -> None:
     assert ran.results.stocks["stock"].as_json()["thread_mm3"] == pytest.approx(section * helix, rel=1.0 / 15.0)
 
 
+def test_a_thread_that_ends_in_the_bar_has_its_groove_there() -> None:
+    """The way out goes up the groove that the tip has turned at the end: no rapid cuts (V of 60 degrees, 0.6 deep)."""
+    program = "O1\nT0101\nG97 S500 M3\nG0 X24. Z4.\nG0 X18.8\nG32 Z-15. F1.5\nG0 X24.\nZ4.\nM5\nM30\n"
+    stock = "cylinder: [20, 50], xyz: [0, 0, -50]"
+    ran = run_texts(program, cell_of(stock, "1: {type: threading_tool}", "dialect: fanuc_lathe\n"))
+    half = 0.6 * tan(radians(30.0))
+    groove = pi * 2.0 * half * 0.6 * (10.0 - 0.6 / 3.0)  # Pappus: area of the V times the way of its centre
+
+    assert "GS401" not in codes(ran)
+    assert ran.results.stocks["stock"].as_json()["removed_mm3"] == pytest.approx(groove, rel=0.03)
+
+
 def test_boring_and_drilling() -> None:
     tools = "1: {type: drill, diameter: 10}\n  2: {type: boring_tool}"
     program = (

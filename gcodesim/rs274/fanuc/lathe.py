@@ -63,6 +63,7 @@ class FanucLatheExecutor(FanucExecutor):
         if not self.started:
             self.started, self.prepared, self.cycle_words = True, {}, {}
             self.control.state.plane = 180
+            self.control.state.feed_mode = 950  # G99, as parameter FPM (3402.4) of the 0i-TF has it when it is new
             self.control.auto_length = False  # T0101 names its offset
         given = [(letter, float(value)) for letter, value in block.words if isinstance(value, (int, float))]
         codes = [value for letter, value in given if letter == "g"]

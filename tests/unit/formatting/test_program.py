@@ -110,7 +110,9 @@ def test_jumps_follow_new_line_numbers():
 
 
 def test_the_contour_of_a_lathe_follows():
-    raw = b"O1\nT0101\nG0 X50. Z2.\nG71 U1. R1.\nG71 P7 Q8 U0.5 W0.1 F0.2\nN7 G0 X20.\nG1 Z-10. F0.1\nN8 X45. Z-20.\n"
+    raw = (
+        b"O1\nT0101\nG98 G0 X50. Z2.\nG71 U1. R1.\nG71 P7 Q8 U0.5 W0.1 F0.2\nN7 G0 X20.\nG1 Z-10. F0.1\nN8 X45. Z-20.\n"
+    )
     raw += b"M30\n"
     tools = assumed_tools(SourceText("p.nc", raw))
     text = written(raw, Style(step=10), dialect="fanuc_lathe", tool_table=tools).decode()

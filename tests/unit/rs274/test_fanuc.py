@@ -686,6 +686,18 @@ def test_a_turret_turns_while_the_spindle_goes_on(program):
     assert "GS176" in [f.code for f in mill.findings]
 
 
+@pytest.mark.parametrize(("word", "unit"), [("", "mm/rev"), ("G99", "mm/rev"), ("G98", "mm/min")])
+def test_a_lathe_that_is_switched_on_feeds_for_each_turn(program, word, unit):
+    """FPM (3402.4) is 0: F0.3 of a program without G98 and G99 is no crawl of 0.3 mm/min."""
+    done = program(
+        body("T0101", "G97 S1000 M3", f"{word} G0 X20. Z2.".strip(), "G1 Z-5. F0.2", "G0 X40.", "M30"),
+        dialect="fanuc_lathe",
+    )
+
+    assert [event["feed_unit"] for event in done.acts("line")] == [unit]
+    assert not done.errors
+
+
 def test_words_before_the_first_program_number_begin_its_program(program):
     done = program("%\nG20 (INCH)\nO0012\nG90 G0 X1.\nM98 P5\nM30\nO0005\nG0 X2.\nM99\n%\n", dialect="fanuc")
     assert not done.errors and [end[0] for end in done.ends] == [25.4, 50.8]

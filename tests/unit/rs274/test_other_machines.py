@@ -103,6 +103,11 @@ def test_a_turret_that_is_called_with_its_offset_is_a_lathes(program) -> None:
     assert [(f.code, f.span.line) for f in done.errors] == [("GS016", 3)]
 
 
+@pytest.mark.parametrize("block", ["G00T0202", "N01G50S0600", "N10G0X380.Z300.T0101M16"])
+def test_words_that_stand_close_are_seen(block) -> None:
+    assert lathe_of(SourceText("p.nc", f"O0358\n{block}\nG01X118F0.3\nM30\n".encode()), DIALECTS["fanuc"].lathe)
+
+
 def test_what_a_sender_kept_of_its_talk_names_no_control() -> None:
     assert foreign_of(SourceText("log.nc", b"12:01 > G21\n[MSG: D=3 sent]\nBUFFER D=7\nG1 X10 F100\n")) is None
     assert foreign_of(SourceText("part.mpf", SINUMERIK.encode())) is not None

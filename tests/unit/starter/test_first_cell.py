@@ -131,3 +131,13 @@ def test_travel_holds_arcs_where_they_reach_farthest(word: str) -> None:
 
     assert codes_of(text.encode()) == []
     assert float(text.split("X: {travel: [")[1].split(",")[0]) <= -99.65 - 20.4
+
+
+def test_two_tools_that_share_an_offset_have_it_once() -> None:
+    """A key that stands twice makes a cell that cannot be read (GS702)."""
+    text = "%\nO1\nG21 G90 G54\nT3 M6\nG0 X0 Y0 S900 M3\nG43 H19 Z5\nG1 Z-2 F100\nX30\nG0 Z5\n"
+    text += "T5 M6\nG43 H19 Z5\nG1 Z-3 F100\nX0\nG0 Z5\nM30\n%\n"
+    cell = cell_for(SourceText("p.nc", text.encode()))
+
+    assert cell.decode().count("  19: {") == 1
+    assert "GS702" not in codes_of(cell)

@@ -141,6 +141,36 @@ def test_a_program_that_only_threads_gets_a_bar_as_thick_as_its_thread() -> None
     assert "cylinder: [14 mm" in text  # 0.5051 in = 12.8 mm
 
 
+APPROACH = """%
+O2001
+G18 G20 G40 G80 G97 G99
+T0101 (****)
+G50 S2500
+G96 S800 M03
+G54 G00 X2.1 Z.1
+G71 P10 Q20 U0.0 W0.0 D.05 F0.01
+N10 G01 X0.
+Z0.
+X.45
+Z-.45
+X1.4
+Z-1.6
+N20 G01 X2.1
+M30
+%
+"""
+
+
+def test_a_contour_that_begins_before_the_bar_is_no_facing() -> None:
+    """It comes to the axis at Z0.1 and goes on to the face: were that in the bar, each rapid back would cut it."""
+    tools, text = made(APPROACH)
+    loaded = read_cell(SourceText("cell.yaml", text.encode()), Path("cell.yaml"))
+    results, _ = run(prepare(SourceText("p.ngc", APPROACH.encode()), loaded))
+
+    assert tools == {1: "turning_tool"} and "****" not in text
+    assert "GS401" not in {finding.code for finding in results.findings}
+
+
 def test_a_list_of_tools_in_comments_says_what_their_tips_are() -> None:
     """Haas counts the tip of an outside tool as 3, that of an inside tool as 2; letters O stand for zeros."""
     _, text = made(
