@@ -4,15 +4,14 @@ from __future__ import annotations
 
 from gcodesim.checks.descent_kernels import begin, convexes_at, descend
 from gcodesim.checks.gap_kernels import gap_between
-from gcodesim.checks.search_kernels import PairSearch, gap_seen, look_between, look_in, range_of
+from gcodesim.checks.search_kernels import PairSearch, comes_near, gap_seen, look_between, look_in, range_of
 from gcodesim.checks.way_kernels import CLOSE, NEVER, ROUNDS, advance, gap_at
 from gcodesim.compiled import kernel
 
 FEW = 24  # couples of convex bodies that are looked at one by one on a piece of a stretch
 SHORTEST = 1.0 / 256.0  # of a stretch: pieces are no shorter
 FIRST_STEP = 2.0**-15  # of what is left of a stretch: where it is first asked whether a contact is over
-STEP = 0.125  # of the same: the longest way between two such places behind a contact,
-LATER_STEP = 0.5  # and on a stretch that begins in contact
+STEP = 0.125  # of the same: the longest way between two such places behind a contact
 TOUCHING = 1e-9  # [m] bodies that are no deeper in each other touch
 SAME = 1e-10  # of a stretch
 
@@ -75,18 +74,23 @@ def first_on(p: int, k: int, start: float, level: float, search: PairSearch) -> 
 
 
 @kernel
-def end_on(p: int, k: int, start: float, level: float, is_first: bool, search: PairSearch) -> float:
-    """Where on a stretch two bodies that are below a level at a share are found above it; `NEVER`: they stay below.
-
-    A gap grows by no more than the way of one body against the other, so where they are deep enough in each other they
-    stay so. Elsewhere it is looked at again and again, the sooner the nearer the contact is if it `is_first` here.
-    """
-    left = 1.0 - start
+def way_on(p: int, k: int, search: PairSearch) -> float:
+    """How far [m] a point of one body of a pair may move against the other on a stretch."""
     for j in range(search.swing.shape[0]):
         search.swing[j] = abs(search.way.q[k + 1, j] - search.way.q[k, j])
-    way = range_of(p, search)
+    return range_of(p, search)
+
+
+@kernel
+def end_on(p: int, k: int, start: float, level: float, search: PairSearch) -> float:
+    """Where on a stretch two bodies that come below a level at a share are found above it; `NEVER`: they stay below.
+
+    A gap grows by no more than the way of one body against the other, so where they are deep enough in each other they
+    stay so. Elsewhere it is looked at again and again, the sooner the nearer the contact is.
+    """
+    left, way = 1.0 - start, way_on(p, k, search)
     here = start
-    step = FIRST_STEP * left if is_first else LATER_STEP * left
+    step = FIRST_STEP * left
     while here < 1.0:
         step = max(step, SAME)  # a contact may begin so near to the end of the stretch that nothing is left to halve
         here = 1.0 if here + step >= 1.0 else here + step
@@ -97,9 +101,23 @@ def end_on(p: int, k: int, start: float, level: float, is_first: bool, search: P
             return here
         if gap < stays_from:
             return NEVER
-        step = min(here - start, STEP * left) if is_first else LATER_STEP * left
+        step = min(here - start, STEP * left)
         if way > 0.0:
             step = max(step, (level - gap) / way)
+    return NEVER
+
+
+@kernel
+def later_end_on(p: int, k: int, level: float, search: PairSearch) -> float:
+    """`end_on` of bodies that are below the level where the stretch begins: looked at in its middle and at its end."""
+    way = way_on(p, k, search)
+    for half in range(1, 3):
+        here = 0.5 * half
+        look_in(p, k, here, search)
+        if comes_near(p, level - way * (1.0 - here), search):
+            return NEVER
+        if not comes_near(p, level + CLOSE, search):
+            return here
     return NEVER
 
 

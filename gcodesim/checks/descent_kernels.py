@@ -93,13 +93,18 @@ def convexes_at(top: int, forest: Forest, way: Descent) -> tuple[int, int]:
 
 @kernel
 def nodes_apart(i: int, j: int, limit: float, forest: Forest, way: Descent) -> bool:
-    """Whether balls or boxes around two nodes are farther apart than `limit` [m]."""
+    """Whether balls or boxes around two nodes are farther apart than `limit` [m], or what is in them is too small.
+
+    A limit below 0 is a depth, and small parts, such as most triangles of a mesh, are nowhere as deep in each other.
+    """
+    enough = limit + SLACK
+    if -enough > deepest_of(i, j, forest.most):
+        return True
     turn, size, shift = way.turn, way.size, way.shift
     middle, half = forest.centre, forest.half
     x = shift[0] - middle[i, 0] + turn[0, 0] * middle[j, 0] + turn[0, 1] * middle[j, 1] + turn[0, 2] * middle[j, 2]
     y = shift[1] - middle[i, 1] + turn[1, 0] * middle[j, 0] + turn[1, 1] * middle[j, 1] + turn[1, 2] * middle[j, 2]
     z = shift[2] - middle[i, 2] + turn[2, 0] * middle[j, 0] + turn[2, 1] * middle[j, 1] + turn[2, 2] * middle[j, 2]
-    enough = limit + SLACK
     far = enough + forest.radius[i] + forest.radius[j]
     if far < 0.0 or x * x + y * y + z * z > far * far:
         return True
@@ -115,6 +120,17 @@ def nodes_apart(i: int, j: int, limit: float, forest: Forest, way: Descent) -> b
         if along - half[j, c] - size[0, c] * half[i, 0] - size[1, c] * half[i, 1] - size[2, c] * half[i, 2] > enough:
             return True
     return False
+
+
+@kernel
+def deepest_of(i: int, j: int, most: Array) -> float:
+    """How deep [m] bodies below two nodes are in each other at most, wherever they are.
+
+    They are parted along the normal of one of them, or across the longest edges of both.
+    """
+    one, other = most[i, 0] + 0.5 * most[j, 2], most[j, 0] + 0.5 * most[i, 2]
+    deepest: float = min(one, other, 0.5 * (most[i, 1] + most[j, 1]))
+    return deepest
 
 
 @kernel

@@ -20,7 +20,7 @@ class Forest(NamedTuple):
 
     All of it is also in a box about the same centre along the axes of that frame, with half sides `half` (n, 3): plates
     and beams fill little of their balls. `left`, `right` are its parts; a leaf has -1 there and its convex body in
-    `convex`.
+    `convex`. `most` (n, 3) [m] are the greatest radius, width and thickness of its convex bodies, see `sizes_of`.
     """
 
     centre: Array
@@ -29,6 +29,7 @@ class Forest(NamedTuple):
     left: Ints
     right: Ints
     convex: Ints
+    most: Array
 
 
 @kernel
@@ -128,3 +129,13 @@ def plant(at: Array, size: Array, sides: Array, columns: Array, many: Ints, fore
             top += 2
         first += many[body]
         here += 2 * many[body] - 1
+
+
+@kernel(short=True)
+def gather(forest: Forest) -> None:
+    """Let `most` of each node be that of all its leaves, whose own is there; a node stands before its parts."""
+    for i in range(forest.left.shape[0] - 1, -1, -1):
+        left, right = forest.left[i], forest.right[i]
+        if left >= 0:
+            for c in range(3):
+                forest.most[i, c] = max(forest.most[left, c], forest.most[right, c])

@@ -84,6 +84,52 @@ def keep(gap: float, k: int, share: float, least: Least) -> None:
 
 
 @kernel
+def least_below(p: int, limit: float, search: PairSearch) -> float:
+    """The gap [m] of a pair where it is looked at, if that is less than `limit`; else `limit`."""
+    descent = search.descent
+    top, here = begin(search.roots[p], descent), limit
+    while True:
+        top = descend(top, here, search.forest, search.bodies, descent)
+        if top < 0:
+            return here
+        a, b = convexes_at(top, search.forest, descent)
+        gap = signed_gap(a, b, search.bodies, descent.Xa, descent.Xb, here, search.gaps, search.room.n)
+        here = min(here, gap)
+        top -= 1
+
+
+@kernel
+def gap_here(p: int, limit: float, search: PairSearch, least: Least) -> float:
+    """`least_below`; of bodies known to meet first of depths like the greatest so far: few couples can be as deep."""
+    if least.gap[0] < 0.0:
+        for low in (0.5 * least.gap[0], 0.0):
+            here = least_below(p, min(low, limit), search)
+            if here < min(low, limit):
+                return here
+    return least_below(p, limit, search)
+
+
+@kernel
+def is_clear(p: int, stretches: tuple[int, int], floor: float, limit: float, search: PairSearch) -> bool:
+    """Whether a pair is above `floor` [m] on all of some stretches, as one direction for each of few couples shows.
+
+    Couples of convex bodies that are `limit` [m] apart where they are looked at do not count.
+    """
+    descent, room = search.descent, search.room
+    top, count = begin(search.roots[p], descent), 0
+    while True:
+        top = descend(top, limit, search.forest, search.bodies, descent)
+        if top < 0:
+            return True
+        a, b = convexes_at(top, search.forest, descent)
+        if signed_gap(a, b, search.bodies, descent.Xa, descent.Xb, limit, search.gaps, room.n) < limit:
+            count += 1
+            if count > FEW or not is_above(p, (a, b), stretches, floor, search):
+                return False
+        top -= 1
+
+
+@kernel
 def bound_on(p: int, stretches: tuple[int, int], search: PairSearch, least: Least) -> float:
     """A gap [m] below which that of a pair is nowhere on some stretches; inf where nothing there counts.
 
@@ -92,23 +138,16 @@ def bound_on(p: int, stretches: tuple[int, int], search: PairSearch, least: Leas
     """
     lo, hi = stretches
     m = (lo + hi) // 2
-    forest, bodies, descent, room = search.forest, search.bodies, search.descent, search.room
     look_at(p, m, search)
     swing_about(lo, hi, m, search)
     way, floor = range_of(p, search), floor_of(least)
-    top, here, is_clear = begin(search.roots[p], descent), math.inf, True
-    while True:
-        top = descend(top, floor + way, forest, bodies, descent)
-        if top < 0:
-            break
-        a, b = convexes_at(top, forest, descent)
-        gap = signed_gap(a, b, bodies, descent.Xa, descent.Xb, floor + way, search.gaps, room.n)
-        if gap < floor + way:
-            here = min(here, gap)
-            is_clear = is_clear and is_above(p, (a, b), stretches, floor, search)
-        top -= 1
+    here = gap_here(p, floor + way, search, least)
+    if here >= floor + way:
+        return math.inf
     keep(here, m, 0.0, least)
-    return math.inf if is_clear else here - way
+    if here >= floor and is_clear(p, stretches, floor, floor + way, search):
+        return math.inf
+    return here - way
 
 
 @kernel

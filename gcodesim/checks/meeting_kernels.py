@@ -11,12 +11,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gcodesim.checks.contact_kernels import beginning, end_on, first_on
+from gcodesim.checks.contact_kernels import beginning, end_on, first_on, later_end_on
+from gcodesim.checks.descent_kernels import deepest_of
 from gcodesim.checks.gap_kernels import Ints
 from gcodesim.checks.least_kernels import Least, lower
 from gcodesim.checks.search_kernels import (
+    TOGETHER,
     PairSearch,
-    gap_seen,
+    comes_near,
     is_free,
     look_at,
     range_of,
@@ -75,10 +77,13 @@ def walk_room(pairs: int) -> Walk:
 def stays(p: int, stretches: tuple[int, int], level: float, search: PairSearch) -> bool:
     """Whether a pair is below the level on all of some stretches, as the gap where it is looked at shows."""
     way = range_of(p, search)
-    gap = gap_seen(p, level - way, level, search)
-    if gap >= level:
+    deepest = deepest_of(search.roots[p, 0], search.roots[p, 1], search.forest.most)
+    if way < deepest and comes_near(p, level - way, search):
+        return True
+    if stretches[1] - stretches[0] > TOGETHER:
         return False
-    return gap < level - way or gap + shift_on(p, stretches, level - gap, search) < level
+    shift = shift_on(p, stretches, deepest, search)
+    return shift < min(way, deepest) and comes_near(p, level - shift, search)
 
 
 @kernel
@@ -109,7 +114,10 @@ def meet_on(p: int, k: int, level: float, search: PairSearch, walk: Walk, found:
             here = open_meeting(p, k, here, level, search, walk, found)
             if here > 1.0:
                 return
-        end = end_on(p, k, here, kept, is_new, search) if here < 1.0 else NEVER
+        if is_new:
+            end = end_on(p, k, here, kept, search) if here < 1.0 else NEVER
+        else:
+            end = later_end_on(p, k, kept, search)
         e = walk.open[p]
         walk.last[p] = found.rows[e, LAST] = k
         found.figures[e, END] = min(end, 1.0)

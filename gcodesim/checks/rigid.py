@@ -103,6 +103,25 @@ def sides_of(bodies: Convexes, centre: Array) -> Array:
     return sides
 
 
+def sizes_of(bodies: Convexes, radius: Array) -> Array:
+    """Radius, width and thickness (k, 3) [m] of convex bodies in balls of `radius` (k,): how deep they can be at most.
+
+    Two bodies are parted along any direction by half of what they measure in it, both together. A triangle measures
+    nothing across its plane, which is its thickness, and in all directions across its longest edge no more than the
+    height over it, which is its width; other bodies no more than their ball.
+    """
+    sizes = np.column_stack([radius, 2.0 * radius, 2.0 * radius])
+    flat = np.flatnonzero((bodies.many == 3) & (bodies.round == 0))
+    corners = bodies.points[bodies.first[flat, None] + np.arange(3)]
+    edges = np.roll(corners, -1, axis=1) - corners
+    longest = norms(edges.reshape(-1, 3)).reshape(-1, 3).max(axis=1, initial=0.0)
+    doubled = norms(np.cross(edges[:, 0], edges[:, 1]))
+    height = np.divide(doubled, longest, out=np.zeros(len(flat)), where=longest > 0.0)
+    grown = 2.0 * bodies.grown[flat]
+    sizes[flat, 1], sizes[flat, 2] = height + grown, grown
+    return sizes
+
+
 def bounds_of(bodies: Convexes, X: Pose) -> tuple[Array, Array]:
     """Least and greatest corner of all of some convex bodies whose frame stands at `X`."""
     at = np.repeat(np.arange(len(bodies.first)), bodies.many)
@@ -263,13 +282,17 @@ class Woods:
 
 def _forest_of(bodies: Sequence[RigidBody], many: NDArray[np.int64]) -> tuple[Forest, NDArray[np.int64]]:
     """A tree over the balls of each body, of which it has `many` (b,), and the root (b,) of each."""
-    from gcodesim.checks.forest_kernels import plant
+    from gcodesim.checks.forest_kernels import gather, plant
 
     at, size = (np.concatenate(column) for column in zip(*(body.balls for body in bodies), strict=True))
     sides = np.concatenate([body.sides for body in bodies])
     nodes = int((2 * many - 1).sum())
-    links = [np.zeros(nodes, dtype=np.int64) for _ in range(3)]
-    forest = Forest(np.zeros((nodes, 3)), np.zeros(nodes), np.zeros((nodes, 3)), *links)
+    left, right, leaves = (np.zeros(nodes, dtype=np.int64) for _ in range(3))
+    balls = np.zeros((nodes, 3)), np.zeros(nodes), np.zeros((nodes, 3))
+    forest = Forest(*balls, left, right, leaves, np.zeros((nodes, 3)))
     root = np.zeros(len(many), dtype=np.int64)
     plant(at, size, sides, np.ascontiguousarray(at.T), many, forest, root)
+    leaf = np.flatnonzero(forest.left < 0)
+    forest.most[leaf] = np.concatenate([sizes_of(body.convexes, body.balls[1]) for body in bodies])[forest.convex[leaf]]
+    gather(forest)
     return forest, root
