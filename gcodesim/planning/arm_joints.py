@@ -71,12 +71,13 @@ class ArmJoints:
         return far
 
     def _exact(self, piece: NDArray[np.int64], s: Array, position: Array, seed: Array) -> Array:
+        """Joints (k, j) that go on from those of the node before, also where that is beyond a limit."""
         X, guide = self.flange.poses(piece, s, position), self.flange.guide
         if guide is None or guide.outside is None:
-            return self.kinematics.inverse(X, seed)[0]
+            return self.kinematics.inverse(X, seed, on_path=True)[0]
         assembly = guide.outside.assembly
         values = guide.outside.values(piece, s, position)
-        return assembly.together(assembly.arm.inverse(X, seed[assembly.own])[0], values)
+        return assembly.together(assembly.arm.inverse(X, seed[assembly.own], on_path=True)[0], values)
 
     @cached_property
     def _keys(self) -> Array:

@@ -242,6 +242,19 @@ def test_joints_do_not_leap_where_the_path_cannot_be_had() -> None:
     assert np.all(np.abs(np.diff(q, axis=0)) / DT <= 1.02 * arm().joints.speed)
 
 
+def test_beyond_a_limit_windows_give_the_same_joints_as_the_whole() -> None:
+    """Behind the arm joint 1 goes past its limit; a window that begins there once took another configuration."""
+    plan = planned(rapid(2, -0.3, 0.4, 0.6), line(3, -0.3, -0.4, 0.6), posing=FixedAttitude(spin=0.0))
+    samples, whole, _ = sampled(plan)
+
+    assert np.degrees(np.abs(whole[:, 0]).max()) > 171.0
+    assert np.abs(np.diff(whole, axis=0)).max() < 0.1
+    for begin in range(0, len(whole), 97):
+        window = slice(begin, begin + 5)
+        part = plan.joints(plan.trajectory.sample(samples.time[window]))
+        np.testing.assert_allclose(part, whole[window], rtol=0.0, atol=1e-9)
+
+
 def reachable_share(start: np.ndarray, end: np.ndarray) -> float:
     low, high = 0.0, 1.0
     for _ in range(40):
