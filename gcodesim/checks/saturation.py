@@ -27,14 +27,14 @@ def saturation_findings(
     first_row: NDArray[np.int64],
     seconds: Array,
     longest: Array,
+    begin: Array,
     spans: Spans,
-    starts: Array,
 ) -> list[Diagnostic]:
     """One finding GS230 for each joint that was at its effort limit.
 
     Columns (j,): `limit` and greatest `effort` [N·m, N], `first_row` of the path
-    at which it happened (-1: never), for how long in all and at most at a time [s];
-    `starts` [s] tells when each path row begins. It is a note where motors were at
+    at which it happened (-1: never), for how long in all and at most at a time [s],
+    and when it did so first, `begin` [s]. It is a note where motors were at
     their limit for moments only: the tip is where the run says, a little late.
     """
     found = []
@@ -54,7 +54,7 @@ def saturation_findings(
                 message=f"{name} is at its limit of {allowed:.1f} {unit}, {what}, "
                 f"for {in_words(float(seconds[joint]), float(longest[joint]))}",
                 span=spans(int(first_row[joint])),
-                time=float(starts[first_row[joint]]),
+                time=float(begin[joint]),
                 hint="it lacks torque for moments only; the path accuracy tells how far off the tip is"
                 if brief
                 else "cut less deep or slower, hold the tool closer to the robot, or use a stronger one",

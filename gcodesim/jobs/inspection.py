@@ -194,7 +194,7 @@ class Inspector:
 
     def _saturation(self, joints: JointTotals) -> list[Diagnostic]:
         own = self._shop.kinematics.joints
-        seconds, longest = joints.saturated.in_seconds(self._dt)
+        seconds, longest, begin = joints.saturated.in_seconds(self._dt)
         return saturation_findings(
             self._shop.joint_names,
             own.kinds,
@@ -203,8 +203,8 @@ class Inspector:
             first_row=joints.saturated_row,
             seconds=seconds,
             longest=longest,
+            begin=begin,
             spans=self._span,
-            starts=self._starts,
         )
 
     def _above_limits(self, record: StepRecord) -> bool:
@@ -234,7 +234,7 @@ class Inspector:
                     hint=f"the greatest value is in line {self._span(worst).line}; "
                     + ("the spindle turns on through a peak as short as this" if load.brief else LESS),
                     count=count,
-                    time=float(self._starts[over[0]]),
+                    time=load.begin,
                     value=most,
                     limit=allowed,
                     unit=load.unit,

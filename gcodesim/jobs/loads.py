@@ -23,7 +23,7 @@ BRIEF: Final = 0.05
 class Load:
     """A figure of the steps, `column` of the sheet, with its `limit` in SI; `unit` is that of messages, `per` in SI.
 
-    `seconds` is the time above the limit, `longest` the longest stretch of it [s]. `turns`: it is a load of the
+    `seconds` is the time above the limit, `longest` the longest stretch of it, `begin` when it first is [s]. `turns`: it is a load of the
     spindle, which turns on through a short peak.
     """
 
@@ -36,14 +36,15 @@ class Load:
     turns: bool
     seconds: float = 0.0
     longest: float = 0.0
+    begin: float = 0.0
     _above: Lasting = field(default_factory=lambda: Lasting(1))
 
     def add(self, values: Array, ticks: NDArray[np.int64], dt: float) -> bool:
         """Add `values` (n,) of steps, each of some `ticks` (n,) of `dt` [s]; whether any of them is above the limit."""
         above = np.abs(values) > self.limit
         self._above.add(above[:, None], ticks)
-        seconds, longest = self._above.in_seconds(dt)
-        self.seconds, self.longest = float(seconds[0]), float(longest[0])
+        seconds, longest, begin = self._above.in_seconds(dt)
+        self.seconds, self.longest, self.begin = float(seconds[0]), float(longest[0]), float(begin[0])
         return bool(above.any())
 
     @property
