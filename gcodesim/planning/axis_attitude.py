@@ -127,7 +127,7 @@ class AxisAttitude:
         limits = limits_of_axes(joints)
         report_missing_axes(path, tool.columns, findings)
         possible = np.where(held, np.inf, along_limits(Curves.of(path), limits)[0])
-        report_fast_feeds(path, possible, findings)
+        report_fast_feeds(path, possible, limits.speed, findings)
         if held.any():
             ends = [_joints_of_tips(tool, points, offsets(path)) for points in (path.start, path.end)]
             report_jumps(path, tool, held, np.stack(ends), findings)

@@ -112,7 +112,7 @@ class AxisPosing:
         limits = limits_of_axes(joints)
         report_missing_axes(path, axes, findings)
         report_travel(path, axes, joints, findings)
-        report_fast_feeds(path, along_limits(Curves.of(path), limits)[0], findings)
+        report_fast_feeds(path, along_limits(Curves.of(path), limits)[0], limits.speed, findings)
         printed = is_printed(path)
         if printed:
             path = without_blending(path)

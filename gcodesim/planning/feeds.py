@@ -9,9 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.arithmetic.distinct import distinct
+from gcodesim.canon import AXIS_LETTERS
 from gcodesim.diagnostics import Diagnostic, Findings
 from gcodesim.frames import Array
-from gcodesim.motion.tool_path import ToolPath
+from gcodesim.motion.tool_path import LINE, ToolPath
 from gcodesim.units import DEG, MINUTE, MM, MM_PER_MINUTE, RPM
 
 CRAWL: Final = MM_PER_MINUTE  # in place of a feed of zero
@@ -43,15 +44,18 @@ def without_zero_feeds(path: ToolPath, findings: Findings) -> ToolPath:
     return replace(path, feed=feed)
 
 
-def report_fast_feeds(path: ToolPath, possible: Array, findings: Findings) -> None:
-    """Note once that feeds are above `possible` (n,) [m/s, rad/s], with the worst case; a thread cannot run slower."""
+def report_fast_feeds(path: ToolPath, possible: Array, speed: Array, findings: Findings) -> None:
+    """Note once that feeds are above `possible` (n,) [m/s, rad/s], with the worst case; a thread cannot run slower.
+
+    `speed` (6,) [m/s, rad/s] is what each axis can do.
+    """
     with np.errstate(invalid="ignore"):
         share = np.where(np.isfinite(path.feed), possible / path.feed, 1.0)
     slow = share < _WORTH_A_NOTE
     if not slow.any():
         return
     threads = np.array([state.word in _THREADS for state in path.states])[path.state]
-    _report_threads(path, possible, np.flatnonzero(slow & threads), findings)
+    _report_threads(path, possible, speed, np.flatnonzero(slow & threads), findings)
     rows = np.flatnonzero(slow & ~threads)
     if not len(rows):
         return
@@ -61,7 +65,7 @@ def report_fast_feeds(path: ToolPath, possible: Array, findings: Findings) -> No
         Diagnostic(
             code="GS206",
             message=f"feed {path.feed[first] / factor:.0f} {unit} is above the {possible[first] / factor:.0f} {unit}"
-            " that the axes allow in this direction",
+            f" that the axes allow in this direction{_hurried(path, first, speed)}",
             span=path.span(first),
             hint=f"worst in line {path.span(worst).line}: {100.0 * share[worst]:.0f} % of the programmed feed",
             count=len(distinct(path.block[rows])),
@@ -72,7 +76,21 @@ def report_fast_feeds(path: ToolPath, possible: Array, findings: Findings) -> No
     )
 
 
-def _report_threads(path: ToolPath, possible: Array, rows: NDArray[np.intp], findings: Findings) -> None:
+def _hurried(path: ToolPath, row: int, speed: Array) -> str:
+    """In words, the axis that holds a straight move up: what it would need, and what it can do. Arcs have none."""
+    if path.kind[row] != LINE:
+        return ""
+    step = np.abs(path.end[row] - path.start[row])
+    axis = int(np.argmax(step / speed))
+    size = step[:3] if step[:3].any() else step
+    needed = float(path.feed[row] * step[axis] / np.sqrt(np.sum(np.square(size))))
+    unit, factor = ("mm/min", MM_PER_MINUTE) if axis < 3 else ("deg/min", DEG / MINUTE)
+    return f": {AXIS_LETTERS[axis]} would need {needed / factor:.0f} {unit} and can do {speed[axis] / factor:.0f}"
+
+
+def _report_threads(
+    path: ToolPath, possible: Array, speed: Array, rows: NDArray[np.intp], findings: Findings
+) -> None:
     """GS209 for threads in `rows` whose pitch times speed is more than the axes can do."""
     if not len(rows):
         return
@@ -84,7 +102,7 @@ def _report_threads(path: ToolPath, possible: Array, rows: NDArray[np.intp], fin
         Diagnostic(
             code="GS209",
             message=f"a pitch of {pitch / MM:.4g} mm at {turns / RPM:.0f} rpm needs {wanted / MM_PER_MINUTE:.0f} mm/min"
-            f"; the axes allow {best / MM_PER_MINUTE:.0f} mm/min here",
+            f"; the axes allow {best / MM_PER_MINUTE:.0f} mm/min here{_hurried(path, first, speed)}",
             span=path.span(first),
             hint=f"at most {best / wanted * turns / RPM:.0f} rpm",
             count=len(distinct(path.block[rows])),

@@ -151,6 +151,13 @@ def test_feed_above_the_machine_is_a_note_and_runs_slower() -> None:
     assert plan.trajectory.sample(np.linspace(0, plan.trajectory.duration, 99)).speed.max() <= 0.5
 
 
+def test_a_note_of_a_feed_names_the_axis_that_holds_it_up() -> None:
+    """3, 4 and 5 along X, Y and Z at 2 m/s: Z needs 2 / sqrt(2) m/s and can do a quarter, X and Y a half."""
+    message = only(planned(line(1, 0.03, 0.04, -0.05, feed=2.0)), "GS206").message
+
+    assert message.endswith(" 21213 mm/min that the axes allow in this direction: Z would need 84853 mm/min and can do 15000")
+
+
 @pytest.mark.parametrize(("rpm", "codes"), [(8000.0, ["GS209"]), (7000.0, [])])
 def test_a_thread_that_no_axis_can_follow_is_an_error(rpm: float, codes: list[str]) -> None:
     """4 mm at 8,000 rpm are 32 m/min; the axis does 30, so the pitch would be wrong."""
@@ -163,6 +170,7 @@ def test_a_thread_that_no_axis_can_follow_is_an_error(rpm: float, codes: list[st
     assert [f.code for f in plan.findings if f.code in ("GS206", "GS209")] == codes
     if codes:
         assert "pitch of 4 mm at 8000 rpm needs 32000 mm/min" in only(plan, "GS209").message
+        assert only(plan, "GS209").message.endswith("X would need 32000 mm/min and can do 30000")
         assert only(plan, "GS209").hint == "at most 7500 rpm"
 
 
