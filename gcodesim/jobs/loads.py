@@ -23,8 +23,8 @@ BRIEF: Final = 0.05
 class Load:
     """A figure of the steps, `column` of the sheet, with its `limit` in SI; `unit` is that of messages, `per` in SI.
 
-    `seconds` is the time above the limit, `longest` the longest stretch of it, `begin` when it first is [s]. `turns`: it is a load of the
-    spindle, which turns on through a short peak.
+    `seconds` is the time above the limit, `longest` the longest stretch of it, `begin` when it first is [s]. `turns`:
+    it is a load of the spindle, which turns on through a short peak.
     """
 
     code: str

@@ -37,6 +37,7 @@ _PLACES: Final = (0, 13, 7, 5, 4, 3, 3)  # on the grid of each axis, by how many
 _FINER: Final = (0.5, 0.25)  # of a step of the grid, in the refinements
 _ROOM: Final = 0.25  # [rad] from limits beyond which more is no better
 _WIDE: Final = 2.5  # [rad] that a joint may turn between two rungs: these are far apart
+_EDGE: Final = 1e-4  # of its travel that an axis stays away from its ends: a spline swings a little beyond its knots
 _FAR: Final = 1e3  # limits of an external axis in the ladder: its grid lies inside its travel
 _SMOOTHING: Final = 6
 
@@ -256,6 +257,8 @@ class _Search:
         places, q = found
         for _ in range(_SMOOTHING):
             places[1:-1] = 0.25 * places[:-2] + 0.5 * places[1:-1] + 0.25 * places[2:]
+        first, edge = int(pinned), _EDGE * (self.high - self.low)
+        places[first:, self.free] = np.clip(places[first:, self.free], self.low + edge, self.high - edge)
         return places, q
 
     def room(self) -> float:

@@ -88,9 +88,7 @@ def _hurried(path: ToolPath, row: int, speed: Array) -> str:
     return f": {AXIS_LETTERS[axis]} would need {needed / factor:.0f} {unit} and can do {speed[axis] / factor:.0f}"
 
 
-def _report_threads(
-    path: ToolPath, possible: Array, speed: Array, rows: NDArray[np.intp], findings: Findings
-) -> None:
+def _report_threads(path: ToolPath, possible: Array, speed: Array, rows: NDArray[np.intp], findings: Findings) -> None:
     """GS209 for threads in `rows` whose pitch times speed is more than the axes can do."""
     if not len(rows):
         return

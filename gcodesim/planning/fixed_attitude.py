@@ -17,12 +17,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.arithmetic.distinct import distinct
-from gcodesim.arithmetic.matrices import multiplied
+from gcodesim.arithmetic.matrices import greatest, multiplied
 from gcodesim.canon import Axes
 from gcodesim.diagnostics import Findings
 from gcodesim.frames import Array, Pose
 from gcodesim.frozen import frozen
 from gcodesim.kinematics.attitude import Direction, WordTurns
+from gcodesim.kinematics.path_kernels import JUMP
 from gcodesim.kinematics.pointing import PointingArm
 from gcodesim.kinematics.protocol import Status
 from gcodesim.motion.blend import blend
@@ -469,6 +470,9 @@ def _bridge(nodes: Nodes, q: Array, status: NDArray[np.uint8]) -> NDArray[np.boo
                 q[a:b, j] = np.interp(at, here, q[a + here, j])
     bridged: NDArray[np.bool_] = away | (status == _FLIP)
     bridged[1:] |= away[:-1]
+    # where no branch is within limits, the next pose may be had in another one only
+    leaps = greatest(np.abs(np.diff(q, axis=0))) > JUMP
+    bridged[1:] |= leaps & (_is_bad(status[1:]) | _is_bad(status[:-1]))
     bridged[nodes.head] = False
     return bridged
 

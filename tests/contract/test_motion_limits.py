@@ -98,6 +98,26 @@ def check_jerk(kind: str, seeds: range) -> None:
     assert used > 0.5
 
 
+RAIL = """gcodesim: 1
+robots: {arm: {model: abb_irb6700_200_260, payload: 6 kg}}
+work_offsets: {G54: {in: world, xyz: [900 mm, 620 mm, 400 mm]}}
+externals:
+  rail: {carries: arm, free: true, axes: {U: {travel: [0, 2 m], speed: 0.57 m/s, acceleration: 3.7 m/s^2, home: 0.9 m}}}
+tools: {1: {type: ball_end_mill, diameter: 8, flutes: 2, length: 60}}
+"""
+
+
+def test_a_rail_that_stays_near_the_end_of_its_travel_does_not_leave_it() -> None:
+    """Splines through places at the end of its travel went up to 6 µm beyond it."""
+    program = (
+        "G21 G90 G61\nT1 M6\nG1 X2 Y1 Z1 F1572\nG0 X10 Y4 Z5\nG0 X20 Y70 Z10\nG1 X48 Y80 Z11 F3000\nG1 X70 Y80 Z5\nM2\n"
+    )
+    ((plan, _),) = plans_of(Drawn(RAIL, program))
+    shares(plan)
+    rail = plan.joints(plan.trajectory.sample(np.arange(0.0, plan.trajectory.duration, CYCLE)))[:, 0]
+    assert rail.min() < 1e-3  # [m]
+
+
 @pytest.mark.parametrize("kind", some_slow(KINDS, "arm on a rail"))
 def test_no_jerk_is_beyond_its_limit(kind: str) -> None:
     check_jerk(kind, range(2))

@@ -155,7 +155,9 @@ def test_a_note_of_a_feed_names_the_axis_that_holds_it_up() -> None:
     """3, 4 and 5 along X, Y and Z at 2 m/s: Z needs 2 / sqrt(2) m/s and can do a quarter, X and Y a half."""
     message = only(planned(line(1, 0.03, 0.04, -0.05, feed=2.0)), "GS206").message
 
-    assert message.endswith(" 21213 mm/min that the axes allow in this direction: Z would need 84853 mm/min and can do 15000")
+    assert message.endswith(
+        " 21213 mm/min that the axes allow in this direction: Z would need 84853 mm/min and can do 15000"
+    )
 
 
 @pytest.mark.parametrize(("rpm", "codes"), [(8000.0, ["GS209"]), (7000.0, [])])

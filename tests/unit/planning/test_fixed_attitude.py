@@ -255,6 +255,18 @@ def test_beyond_a_limit_windows_give_the_same_joints_as_the_whole() -> None:
         np.testing.assert_allclose(part, whole[window], rtol=0.0, atol=1e-9)
 
 
+@pytest.mark.parametrize(("start", "end"), [((0.5, -0.3, 1.1), (-0.1, 0.0, 0.2)), ((-0.2, -0.2, 0.2), (0.6, 0.4, 0.5))])
+def test_a_leap_to_another_configuration_takes_its_time(
+    start: tuple[float, float, float], end: tuple[float, float, float]
+) -> None:
+    """No branch is within limits on a part of the path; where the nearest one ends, another begins far away."""
+    plan = planned(rapid(2, *start), line(3, *end), posing=FixedAttitude(spin=0.0))
+    _, q, _ = sampled(plan)
+
+    assert "GS203" in {f.code for f in plan.findings}
+    assert np.all(np.abs(np.diff(q, axis=0)) / DT <= 1.02 * arm().joints.speed)
+
+
 def reachable_share(start: np.ndarray, end: np.ndarray) -> float:
     low, high = 0.0, 1.0
     for _ in range(40):
