@@ -39,7 +39,8 @@ class Lasting:
 
     def in_seconds(self, dt: float) -> tuple[Array, Array, Array]:
         """`total`, `longest` and `begin` (j,) where a tick takes `dt` [s]."""
-        return self.total * dt, self.longest * dt, self.begin * dt
+        total, longest, begin = (ticks.astype(np.float64) for ticks in (self.total, self.longest, self.begin))
+        return total * dt, longest * dt, begin * dt
 
 
 def in_words(total: float, longest: float) -> str:
