@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.arithmetic.matrices import norms
 from gcodesim.checks.pairs import may_not_meet, role_of_part
 from gcodesim.diagnostics import Diagnostic, Span
 from gcodesim.diagnostics.events import runs
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
 
 # bodies that enter each other by less than this only touch [m]
 TOUCH: Final = 1e-6
+_SAME: Final = 1e-9  # [m] between places that are one
 _BUNCH: Final = 64  # neighbouring pieces that are compared with a hull as one
 _AT_ONCE: Final = 1024  # triangles for one call, so that a Ctrl-C is heard between two
 
@@ -145,7 +147,8 @@ def fixture_touches(
         shares = np.ones_like(depths)
         for part, (_, outline) in enumerate(tool.outlines):
             _enter(outline, fixture, start, end, axis, depths[part], shares[part])
-        for rows in runs(depths.max(axis=0, initial=0.0) > 0.0):
+        inside_at = depths.max(axis=0, initial=0.0) > 0.0
+        for rows in runs(inside_at, group=_visits(tool, fixture, start, end, axis, inside_at)):
             piece = int(rows[0])
             inside = depths[:, piece] > 0.0
             part = int(np.lexsort((-depths[:, piece], np.where(inside, shares[:, piece], np.inf)))[0])
@@ -164,6 +167,22 @@ def fixture_touches(
                 )
             )
     return sorted(found, key=lambda touch: (touch.piece, touch.share, touch.fixture))
+
+
+def _visits(
+    tool: ToolParts, fixture: Obstacle, start: Array, end: Array, axis: Array, inside: NDArray[np.bool_]
+) -> NDArray[np.int64]:
+    """A number (m,) for each piece that rises where `tool` is out of a fixture between two pieces that are `inside`."""
+    borders = np.flatnonzero(inside[:-1] & inside[1:])
+    if not len(borders):
+        return np.zeros(len(inside), dtype=np.int64)
+    here, depth = end[borders], np.zeros(len(borders))
+    for _, outline in tool.outlines:
+        _enter(outline, fixture, here, here, axis[borders], depth, np.ones(len(borders)))
+    out = (depth <= 0.0) | (norms(start[borders + 1] - here) > _SAME)
+    rises = np.zeros(len(inside), dtype=np.int64)
+    rises[borders[out] + 1] = 1
+    return np.cumsum(rises)
 
 
 def _enter(

@@ -38,6 +38,9 @@ def optimise() -> Json:
         time_s=record("of the program", before=number("with its own feeds"), after=number("with the new ones")),
         changed_lines=lines,
         lines_above=array("lines that stay above a limit", whole("the line", least=1)),
+        lines_out_of_reach=array(
+            "of these, lines that no feed keeps below; theirs is as it was", whole("the line", least=1)
+        ),
         lines_kept=array("lines whose feed cannot be written", whole("the line", least=1)),
     )
     return document("gcodesim optimise --format json", root)

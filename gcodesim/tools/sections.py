@@ -21,7 +21,11 @@ class StackedSection:
 
     diameter: float = key("length", "diameter at its lower end", example="32 mm")
     upper_diameter: float | None = key(
-        "length", "at its upper end, where it is a cone", default=None, rule="as `diameter`", example="44 mm"
+        "length",
+        "at its upper end, where it is a cone; one that narrows upwards meets stock as 16 steps",
+        default=None,
+        rule="as `diameter`",
+        example="44 mm",
     )
     length: float = key("length", "its height", example="60 mm")
 
@@ -60,7 +64,11 @@ class Shank:
 
     diameter: float = key("length", "diameter above the edges", example="6 mm")
     upper_diameter: float | None = key(
-        "length", "at its upper end, where it is a cone", default=None, rule="as `diameter`", example="10 mm"
+        "length",
+        "at its upper end, where it is a cone; one that narrows upwards meets stock as 16 steps",
+        default=None,
+        rule="as `diameter`",
+        example="10 mm",
     )
     length: float | None = key("length", "its height", default=None, rule="up to the holder", example="20 mm")
     above: tuple[StackedSection, ...] = key(_ABOVE, _ABOVE_DOC, default=(), quiet=True)

@@ -61,10 +61,13 @@ def test_feeds_may_rise_to_a_chip(shop, tmp_path) -> None:
     assert feed == pytest.approx(1600.0, rel=0.02)
 
 
-def test_a_limit_that_no_feed_keeps_is_told(shop) -> None:
-    done = shop("--limit", "deflection=1 um")
+def test_a_limit_that_no_feed_keeps_is_told_and_the_feed_is_left(shop, tmp_path) -> None:
+    """A crawl of a fiftieth of the feed was written, at which the edge would rub."""
+    done = shop("--limit", "deflection=1 um", "-o", "new.nc")
 
     assert done.status == 1 and "lines above a limit: 7" in done.out
+    assert "also at a tenth of their feed, which is left as it was: 7, 8\n" in done.out
+    assert (tmp_path / "new.nc").read_text() == PROGRAM
 
 
 @pytest.mark.parametrize(

@@ -85,6 +85,7 @@ def run(arguments: argparse.Namespace) -> int:
             "time_s": {"before": found.time_before, "after": found.time_after},
             "changed_lines": list(found.changed),
             "lines_above": list(found.over),
+            "lines_out_of_reach": list(found.beyond),
             "lines_kept": list(found.kept),
         }
         print(json.dumps(said, indent=2))
@@ -94,7 +95,12 @@ def run(arguments: argparse.Namespace) -> int:
             print(f"{limit.name}: {before} before, {after} after, limit {limit.shown(limit.value)}")
         print(f"time: {found.time_before:.1f} s before, {found.time_after:.1f} s after")
         print(f"lines changed: {len(found.changed)}")
-        for what, lines in (("above a limit", found.over), ("with a feed that cannot be written", found.kept)):
+        groups = {
+            "above a limit": found.over,
+            "above it also at a tenth of their feed, which is left as it was": found.beyond,
+            "with a feed that cannot be written": found.kept,
+        }
+        for what, lines in groups.items():
             if lines:
                 print(f"lines {what}: {', '.join(map(str, lines[:20]))}{' …' if len(lines) > 20 else ''}")
     return FINDINGS if found.over else OK

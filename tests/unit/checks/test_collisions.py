@@ -68,6 +68,18 @@ def test_the_side_of_a_cutter_is_round_to_a_hundredth_of_a_millimetre(miss: floa
         assert touches[0].depth == pytest.approx(-miss, rel=1e-3)
 
 
+def test_there_and_back_again_are_two_visits_and_a_border_inside_is_none() -> None:
+    """Through the clamp, out of it, and back in the next line: both were one event, told at the first line alone."""
+    near, inside, far = (0.0, 0.028, 0.005), (0.025, 0.028, 0.005), (0.06, 0.028, 0.005)
+
+    visits = touch(flat(0.010), CLAMP, near, far, near)
+    assert [(t.piece, t.pieces, t.share) for t in visits] == [
+        (0, 1, pytest.approx(0.25, abs=1e-6)),  # X15 of 60
+        (1, 1, pytest.approx(25.0 / 60.0, abs=1e-6)),  # X35
+    ]
+    assert [(t.piece, t.pieces) for t in touch(flat(0.010), CLAMP, near, inside, far)] == [(0, 2)]
+
+
 @pytest.mark.parametrize("gap", [-2e-5, 2e-5])
 def test_a_flat_bottom_is_flat(gap: float) -> None:
     """A 50 mm face passes above the clamp without a round end that would reach deeper."""
