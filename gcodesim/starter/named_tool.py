@@ -11,7 +11,7 @@ from gcodesim.units import MM
 _LENGTH: Final = 100.0 * MM
 _BEAD = re.compile(r"bead\s*[:=]?\s*([0-9.]+)\s*(?:mm)?\s*[x×*]\s*([0-9.]+)", re.IGNORECASE)
 _SWITCHES = re.compile(r"\bM0*([0-9]{1,3})\b\D{1,20}\bM0*([0-9]{1,3})\b", re.IGNORECASE)
-_CUTTER = re.compile(r"\b(?:mill|cutter|drill|reamer|tap)\b", re.IGNORECASE)
+_CUTTER = re.compile(r"(?:mill|cutter|drill|reamer|insert)s?\b|\btap\b|\b[0-9] ?(?:f|flutes?)\b", re.IGNORECASE)
 _GUESSES: Final = (
     (
         r"weld|mig\b|mag\b|gmaw",

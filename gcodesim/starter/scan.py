@@ -73,6 +73,7 @@ _CONES: Final = ("v_bit", "chamfer_mill", "engraver", "countersink")
 _DEGREES = re.compile(rf"{_NUMBER}\s*(?:-\s*)?(?:deg\b|degrees?\b|°)", re.IGNORECASE)
 _KINDS: Final = (
     *((word, "v_bit") for word in ("v bit", "v-bit", "vbit", "v-groove", "v groove", "v-carv", "v carv")),
+    (r"(?:deg|°)[ -]?v\b", "v_bit"),
     *((word, "chamfer_mill") for word in ("chamfer", "fasen")),
     *((word, "countersink") for word in ("countersink", "counter sink")),
     ("engrav", "engraver"),
@@ -80,7 +81,10 @@ _KINDS: Final = (
     ("ball", "ball_end_mill"),
     ("bull", "bull_nose_end_mill"),
     *((word, "face_mill") for word in ("face mill", "facemill", "shell mill")),
-    *((word, "drill") for word in ("drill", "jobber", "bore", "bohr", "broca", "foret", "taladr", "tap", "reamer")),
+    *(
+        (word, "drill")
+        for word in ("drill", "jobber", "bore", "bohr", "broca", "foret", "taladr", "tap(?!er)", "reamer")
+    ),
 )
 
 
@@ -231,7 +235,7 @@ def _tools_of(comment: str, line: int, inch: bool) -> list[ScannedTool]:
 
 
 def _tool_of(number: int, text: str, comment: str, line: int, inch: bool) -> ScannedTool:
-    kind = next((name for word, name in _KINDS if word in text.lower()), "flat_end_mill")
+    kind = next((name for word, name in _KINDS if re.search(word, text.lower())), "flat_end_mill")
     if (other := named_tool(text)) is not None:
         return ScannedTool(number=number, line=line, type=other.kind, comment=comment, other=other)
     diameter = _diameter_of(text, inch)

@@ -103,6 +103,9 @@ def _flag(number: int | None, name: str) -> ReadTool | None:
     return None
 
 
+_DOWN_CUT: Final = re.compile(r"down[ -]?cut|left[ -]?hand(?:ed)? (?:helix|spiral)", re.IGNORECASE)
+_COMPRESSION: Final = re.compile("compression", re.IGNORECASE)
+
 _NEEDS: Final = {
     "bull_nose_end_mill": ("diameter", "corner_radius"),
     "corner_rounding_mill": ("corner_radius", "tip_diameter"),
@@ -116,8 +119,24 @@ _NEEDS: Final = {
 }
 
 
+_HELIX: Final = 30.0
+"""Degrees of a helix of which only the sense is known: the usual one."""
+
+
 def _made(keys: ToolKeys, number: int, name: str) -> ReadTool:
+    _edges_in_words(keys, name)
     return keys.tool(number, name, _NEEDS.get(keys.found["type"], ("diameter",)))
+
+
+def _edges_in_words(keys: ToolKeys, name: str) -> None:
+    """What the name of a mill says of the sense of its edges, which no file has a number for."""
+    if not keys.found["type"].endswith("_mill") or "helix" in keys.found:
+        return
+    if _DOWN_CUT.search(name):
+        keys.angle("helix", -_HELIX)
+        keys.notes.append(f"approximated: its edges press chips down, and a helix of -{_HELIX:g} deg is assumed")
+    elif _COMPRESSION.search(name):
+        keys.notes.append("approximated: `up_cut` is not told, the height up to which compression edges lift chips")
 
 
 # --- LinuxCNC
@@ -129,7 +148,7 @@ _SHAPED: Final = re.compile(
     re.IGNORECASE,
 )
 _TOOL_WORD: Final = re.compile(r"(?<![A-Za-z])[Tt]\s*[0-9]")
-_MILL: Final = re.compile("mill", re.IGNORECASE)
+_MILL: Final = re.compile("mill|compression|(?:up|down)[ -]?cut", re.IGNORECASE)
 _PROBE: Final = re.compile(r"\bprobe\b|\btaster\b", re.IGNORECASE)
 
 
@@ -152,6 +171,10 @@ def _linuxcnc(path: Path, data: bytes, inch: bool) -> ToolFile:
         named = told.type != "flat_end_mill" or _MILL.search(entry.comment) is not None
         if _turns(entry) and not named:
             tools.append(_lathe_tip(entry, unit, si))
+            continue
+        if entry.offset[0] and not entry.diameter and told.diameter is None:
+            why = "refused: by its X offset it is a lathe's, and the line does not say its edges (I, J, Q)"
+            tools.append(ReadTool(number=number, name=entry.comment, notes=(why,)))
             continue
         keys = ToolKeys(told.type, entry.comment, unit)
         keys.length("diameter", entry.diameter / si if entry.diameter > 0.0 else told.diameter)

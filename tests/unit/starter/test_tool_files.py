@@ -170,6 +170,29 @@ def test_tables_of_strangers(tmp_path):
     ]  # fmt: skip
 
 
+def test_words_about_edges_in_a_table(tmp_path):
+    """Coated mills are no spray guns, `90deg-v` is a V-bit, and edges that press down have a left-hand helix."""
+    table = tmp_path / "tool.tbl"
+    table.write_text(
+        "T19 P0 Z58.6 ; 4mm Endmill - 3F - No Coating - Alu\nT34 P0 Z38.2 ; 6mm 90deg-v - altisin - alu\n"
+        "T50 P0 Z50 ; 6mm downcut spiral - wood\nT215 P0 Z53.5 ; 6mm Compression - wood\n"
+        "T7 P0 Z40 ; 6mm tapered endmill\nT1 P1 X78.695 Z37.63 ;\n"
+    )
+    found = read_tools(table)
+    tools = tools_of(found)
+
+    assert {number: tool.kind for number, tool in tools.items()} == {
+        7: "flat_end_mill", 19: "flat_end_mill", 34: "v_bit", 50: "flat_end_mill", 215: "flat_end_mill",
+    }  # fmt: skip
+    assert tools[34].angle == pytest.approx(math.radians(90.0))
+    assert (tools[50].helix, tools[215].helix) == (
+        pytest.approx(math.radians(-30.0)),
+        pytest.approx(math.radians(30.0)),
+    )
+    assert any("`up_cut` is not told" in note for note in notes_of(found, 215))
+    assert any("a lathe's" in note for note in notes_of(found, 1))
+
+
 def test_turning_tools_of_fusion(tmp_path):
     def entry(number, kind, geometry, holder, unit="millimeters"):
         post = {"number": number}
