@@ -45,12 +45,13 @@ def read(program: Path | str, settings: Settings | None = None) -> ToolPath:
     return path
 
 
-def load_cell(path: Path | str, allow_paths: Sequence[Path] = (), *, allow_code: bool = False) -> Cell:
+def load_cell(path: Path | str, allow_paths: Sequence[Path | str] = (), *, allow_code: bool = False) -> Cell:
     """The cell that a file describes. Raises `InputError` when it has errors, OSError when it cannot be read.
 
-    `allow_code` runs the Python files that the cell names under `code`.
+    `allow_paths` are folders besides that of the cell that may be read; `allow_code` runs the Python files that the cell
+    names under `code`.
     """
-    loaded = read_cell_file(Path(path), tuple(allow_paths), allow_code=allow_code)
+    loaded = read_cell_file(Path(path), tuple(map(Path, allow_paths)), allow_code=allow_code)
     if loaded.cell is None:
         raise InputError(list(loaded.findings), loaded.sources)
     return loaded.cell
@@ -63,12 +64,13 @@ def simulate(
     *,
     channels: Mapping[str, Path | str] | None = None,
     force: bool = False,
+    allow_paths: Sequence[Path | str] = (),
     allow_code: bool = False,
 ) -> Results:
     """Run `program` in `cell`; with `out`, a folder, write there what `gcodesim run` writes.
 
-    `channels` names programs that run at the same time in further channels of the cell; `allow_code` runs the Python
-    files that the cell names.
+    `channels` names programs that run at the same time in further channels of the cell; `allow_paths` are folders
+    besides that of the cell that its file may read, `allow_code` runs the Python files that it names.
 
     Files in `out` that the run reads, or that gcodesim did not write, are overwritten only with `force` (GS750).
 
@@ -79,7 +81,10 @@ def simulate(
     cannot be read or written, `WorldUnavailable` when the world cannot be opened here. KeyboardInterrupt, on Ctrl-C,
     once the files in `out` are closed; it is a `gcodesim.simulation.RunInterrupted` when there are results so far.
     """
-    loaded = _as_loaded(cell) if isinstance(cell, Cell) else read_cell_file(Path(cell), allow_code=allow_code)
+    if isinstance(cell, Cell):
+        loaded = _as_loaded(cell)
+    else:
+        loaded = read_cell_file(Path(cell), tuple(map(Path, allow_paths)), allow_code=allow_code)
     further = {name: read_program(Path(path)) for name, path in (channels or {}).items()}
     job = simulation.prepare(read_program(Path(program)), loaded, Options(force=force, channels=further))
     results, _ = simulation.run(job, None if out is None else Path(out))

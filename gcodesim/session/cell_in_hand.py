@@ -54,6 +54,7 @@ def open_cell(
     *,
     world: str | None = None,
     force: bool = False,
+    allow_paths: Sequence[Path | str] = (),
     allow_code: bool = False,
 ) -> OpenCell:
     """Open the cell that the file `cell` describes, to be used in a `with` statement.
@@ -61,14 +62,15 @@ def open_cell(
     All machines that channels of the cell move are there, whatever programs the channels have. Ctrl-C in the `with`
     statement ends it as it ends a run: at once, and log and results say so.
     With `out`, a folder, what a run writes is written there; in place of lines of a program stand those of the calling
-    script. `world`, `force` and `allow_code` as of `gcodesim run`. Raises `InputError` when the cell has errors,
+    script. `world`, `force`, `allow_paths`, folders besides that of the cell that may be read, and `allow_code` as of
+    `gcodesim run`. Raises `InputError` when the cell has errors,
     OSError when it cannot be read, `WorldUnavailable` when the world cannot be opened here.
     """
     from gcodesim.world import WORLDS, require_world
 
     if world is not None and world not in WORLDS:
         raise MisuseError(f"there is no world `{world}`; there are {', '.join(sorted(WORLDS))}")
-    loaded = load_cell(Path(cell), allow_code=allow_code)
+    loaded = load_cell(Path(cell), tuple(map(Path, allow_paths)), allow_code=allow_code)
     if loaded.cell is None:
         raise InputError(list(loaded.findings), loaded.sources)
     tools = {number: replace(tool, load=tool.load or TcpLoad()) for number, tool in loaded.cell.tools.items()}

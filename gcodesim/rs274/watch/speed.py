@@ -22,10 +22,13 @@ class SpindleWithoutSpeed(Watch):
     """GS176: the tool is fed after M3 or M4 without any S, or below part zero in a program that never says either.
 
     The second is a note, and told only where no cell says what the tool is, not of programs that switch something.
+    Of a tool that no spindle turns, such as a torch or a gun, M3 may be the switch.
     """
 
     def __init__(self) -> None:
         self._has_cell = False
+        self._unturned: frozenset[int] = frozenset()
+        self._tool: int | None = None
         self._has_speed = False  # an S was written, were it S0
         self._started: canon.Spindle | None = None  # M3 or M4 without a speed
         self._ever = False
@@ -38,6 +41,9 @@ class SpindleWithoutSpeed(Watch):
 
     def block(self, words: Words, control: Control) -> None:
         self._has_cell = control.settings.has_cell
+        self._unturned = control.settings.unturned
+        if self._tool is None:
+            self._tool = control.settings.loaded_tool
         self._has_speed = self._has_speed or "s" in words.values
 
     def event(self, event: canon.Event) -> None:
@@ -47,6 +53,8 @@ class SpindleWithoutSpeed(Watch):
             starts = event.direction != "off"
             self._ever = self._ever or starts
             self._started = event if starts and event.speed == 0.0 else None
+        elif isinstance(event, canon.ToolChange | canon.ToolNumber):
+            self._tool = event.tool
         elif isinstance(event, canon.WorkSystem):
             self._zero = event.offset[2] + event.g92[2]
         elif isinstance(event, _SWITCHES):
@@ -77,11 +85,17 @@ class SpindleWithoutSpeed(Watch):
         self._fell = end[2] < self._zero - TINY and (self._fell or end[2] < at[2] - TINY)
 
     def _fed(self) -> None:
-        if self._started is not None and not self._has_speed and self._stands is None:
+        if self._may_stand():
+            assert self._started is not None
             self._stands = self._started.span
 
+    def _may_stand(self) -> bool:
+        """Whether a feed move of this tool would be the first with a spindle that has no speed."""
+        waits = self._started is not None and not self._has_speed and self._stands is None
+        return waits and self._tool not in self._unturned
+
     def moves(self, batch: MoveBatch) -> None:
-        looks = self._started is not None and not self._has_speed and self._stands is None
+        looks = self._may_stand()
         batch = self.singly_until(batch, lambda: not looks and (self._ever or self._never is not None))
         if len(batch):
             x, y, z = batch.end[-1, :3].tolist()

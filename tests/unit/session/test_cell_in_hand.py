@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+import shutil
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -17,6 +18,7 @@ from gcodesim.frames import quaternion_from_rotation
 from gcodesim.log.summary import summary
 from gcodesim.session import MisuseError, OpenCell, cell_in_hand
 
+DATA = Path(__file__).parents[2] / "data"
 CELL = """\
 gcodesim: 1
 robots:
@@ -244,6 +246,24 @@ def test_a_closed_cell_and_a_wrong_one_are_told(tmp_path: Path) -> None:
     (tmp_path / "bad.yaml").write_text(CELL.replace("tools:", "tols:"))
     with pytest.raises(gcodesim.InputError, match="tols"):
         gcodesim.open_cell(tmp_path / "bad.yaml")
+
+
+def test_files_of_other_folders_are_read_where_the_script_allows_them(tmp_path: Path) -> None:
+    (tmp_path / "here").mkdir()
+    cell = _cell(tmp_path / "here")
+    shutil.copy(DATA / "cells" / "sound" / "vise.stl", tmp_path / "vise.stl")
+    cell.write_text(CELL + "fixtures: {vise: {mesh: ../vise.stl, unit: mm, in: world, xyz: [0, 900, 0]}}\n")
+
+    with pytest.raises(gcodesim.InputError, match="GS715"):
+        gcodesim.open_cell(cell)
+    with gcodesim.open_cell(cell, allow_paths=[str(tmp_path)]) as opened:
+        assert "vise" in opened._job.cell.fixtures  # type: ignore[union-attr]
+    (tmp_path / "p.nc").write_text("G21\nM2\n")
+    codes = [
+        {finding.code for finding in gcodesim.simulate(tmp_path / "p.nc", cell, allow_paths=allowed).findings}
+        for allowed in ((), (tmp_path,))
+    ]
+    assert "GS715" in codes[0] and "GS715" not in codes[1]
 
 
 def test_a_joint_path_is_gone_through_without_a_stop(tmp_path: Path) -> None:

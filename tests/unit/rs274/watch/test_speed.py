@@ -19,6 +19,14 @@ def test_m3_without_s(program, lane):
 
 
 @pytest.mark.parametrize("lane", ["grammar", "compiled"])
+def test_m3_may_switch_a_tool_that_no_spindle_turns(program, lane):
+    cell = {"has_cell": True, "unturned": frozenset((1,))}
+    assert notes(program, "T1 M6\nM3\n" + CUT, lane=lane, **cell) == []
+    assert notes(program, "M3\n" + CUT, lane=lane, **cell, loaded_tool=1) == []
+    assert notes(program, "T1 M6\nM3\n" + CUT + "T2 M6\nM3\n" + CUT, lane=lane, **cell) == [("warning", 8)]
+
+
+@pytest.mark.parametrize("lane", ["grammar", "compiled"])
 def test_a_program_that_never_starts_a_spindle_and_feeds_below_zero(program, lane):
     assert notes(program, CUT, lane=lane) == [("note", 3)]
     assert notes(program, CUT, lane=lane, has_cell=True) == []
