@@ -354,7 +354,7 @@ def bundle_of(field: Field, centre: Array, d: Array, finest: float, outer: float
     level = math.sqrt(d[0] * d[0] + d[1] * d[1])
     e = np.array([-d[1] / level, d[0] / level, 0.0])
     f = np.array([-d[2] * e[1], d[2] * e[0], d[0] * e[1] - d[1] * e[0]])
-    half = math.ceil(outer / step)
+    half = math.ceil(outer / step + 0.5)
     corner = centre - half * step * (e + f)
     return Bundle(corner, e * step, f * step, 2 * half + 1, 2 * half + 1)
 
@@ -415,7 +415,8 @@ def aim_at(field: Field, form: BeamForm, p: Array, d: Array, s: float, widest: f
             qz = bundle.corner[2] + a * bundle.first[2] + b * bundle.second[2] - centre[2]
             along = qx * d[0] + qy * d[1] + qz * d[2]
             r = math.sqrt(max(qx * qx + qy * qy + qz * qz - along * along, 0.0))
-            w = weight_at(form.profile, radius, r, spread) if r <= outer else 0.0
+            # the ring of a ray beyond a sharp rim still has a part of the beam, and a flat one is densest there
+            w = weight_at(form.profile, radius, r, spread) if r < outer + 0.5 * spread else 0.0
             weights[a * bundle.nb + b] = w
             total += w
     if total <= 0.0:  # thinner than the rays stand apart: its axis alone

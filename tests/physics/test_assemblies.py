@@ -122,7 +122,7 @@ def test_a_beam_takes_of_layers_of_one_material_what_it_takes_of_one_piece(tool)
     (one,) = removed(whole).values()
     assert all(own > 0.0 for own in removed(parts).values())
     assert sum(removed(parts).values()) == pytest.approx(one, rel=1e-9)
-    assert doses(parts) == pytest.approx(doses(whole), rel=1e-9)
+    assert doses(parts) == pytest.approx(doses(whole), rel=2e-8)  # a layer that is thinner than 1e-12 m is gone
     assert parts.results.tools[0]["removed_mm3"] == pytest.approx(one, rel=1e-9)
     assert parts.misuse == []
 

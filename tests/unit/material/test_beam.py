@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 
@@ -71,9 +73,36 @@ def test_a_flat_jet_leaves_a_level_floor_of_the_depth_of_the_closed_form() -> No
     strike_stock(stock, form(), way(), "test")
     inside = np.abs(middles(stock)) < 0.35e-3
 
-    assert depths(stock)[inside].mean() == pytest.approx(2e-3, rel=0.05)
-    assert np.abs(depths(stock)[inside] - 2e-3).max() < 0.3e-3
+    assert depths(stock)[inside].mean() == pytest.approx(2e-3, rel=5e-3)
+    assert np.abs(depths(stock)[inside] - 2e-3).max() < 0.06e-3
     assert depths(stock)[np.abs(middles(stock)) > 0.6e-3].max() == 0.0
+
+
+def share_left(profile: str, u: np.ndarray) -> np.ndarray:
+    """The share of a track to one side of a line at u radii from its middle."""
+    if profile == "gaussian":
+        return np.array([0.5 * math.erfc(-math.sqrt(2.0) * each) for each in u])
+    inside = np.clip(u, -1.0, 1.0)
+    if profile == "top_hat":
+        return 0.5 + (inside * np.sqrt(1.0 - inside**2) + np.arcsin(inside)) / np.pi
+    return 0.5 * (1.0 + inside)
+
+
+@pytest.mark.parametrize("degrees", [0.0, 20.0])
+@pytest.mark.parametrize("cell", [0.05e-3, 0.13e-3, 0.24e-3])
+@pytest.mark.parametrize("profile", PROFILES)
+def test_each_column_across_a_track_gets_what_belongs_to_it(profile: str, cell: float, degrees: float) -> None:
+    """The rim of a sharp beam belongs to it: without it the floor was 2.5 % too deep, and the kerf too narrow."""
+    lean, radius = np.radians(degrees), 0.5e-3
+    stock = plate(cell=cell)
+    strike_stock(stock, form(profile, radius), way((0.0, np.sin(lean), np.cos(lean)), rate=0.0, pieces=60), "test")
+
+    got = stock.doses["test"][len(stock.doses["test"]) // 2]
+    edges = np.arange(len(got) + 1) * stock.spacing[1] - 4.02e-3
+    exact = np.diff(share_left(profile, edges * np.cos(lean) / radius)) / stock.spacing[1] * 100.0 / SPEED
+    off = np.abs(got - exact).max() / exact.max()
+    assert off < (0.016 if degrees == 0.0 else 0.06)  # rays stand by columns, which cut a footprint that leans unevenly
+    assert got.sum() == pytest.approx(exact.sum(), rel=6e-3)
 
 
 def test_a_gaussian_spot_leaves_a_gaussian_track() -> None:
