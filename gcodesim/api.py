@@ -48,8 +48,8 @@ def read(program: Path | str, settings: Settings | None = None) -> ToolPath:
 def load_cell(path: Path | str, allow_paths: Sequence[Path | str] = (), *, allow_code: bool = False) -> Cell:
     """The cell that a file describes. Raises `InputError` when it has errors, OSError when it cannot be read.
 
-    `allow_paths` are folders besides that of the cell that may be read; `allow_code` runs the Python files that it names
-    under `code`.
+    `allow_paths` are folders besides that of the cell that may be read; `allow_code` runs the Python files that it
+    names under `code`.
     """
     loaded = read_cell_file(Path(path), tuple(map(Path, allow_paths)), allow_code=allow_code)
     if loaded.cell is None:
