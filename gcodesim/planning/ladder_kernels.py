@@ -20,6 +20,7 @@ TURN = 2.0 * math.pi
 SLACK = 1e-9  # [rad], [m] beyond a limit that still count as on it
 LINEAR, LIMITED, ENDLESS = 0, 1, 2  # joints: prismatic, revolute with limits, revolute without
 NOBODY = -1
+MORE = 1.1  # times as many pairs as the rungs so far let expect
 
 
 class Ladder(NamedTuple):
@@ -51,7 +52,7 @@ class Rails(NamedTuple):
     way: Array
 
 
-@kernel
+@kernel(lean=True)
 def step_of(start: float, end: float, kind: int) -> float:
     """The change of a joint, for a revolute one the shorter way round."""
     step = end - start
@@ -61,15 +62,15 @@ def step_of(start: float, end: float, kind: int) -> float:
 
 
 @kernel
-def longer(column: Array | Indices) -> Array | Indices:
-    """The same column with room for twice as much."""
-    out = np.empty(2 * column.shape[0], dtype=column.dtype)
+def longer(column: Array | Indices, rows: int) -> Array | Indices:
+    """The same column with room for so many rows, more than it has."""
+    out = np.empty(rows, dtype=column.dtype)
     for i in range(column.shape[0]):
         out[i] = column[i]
     return out
 
 
-@kernel
+@kernel(lean=True)
 def sort_by_angle(ladder: Ladder, rung: int, parts: int, begin: Indices, order: Indices) -> None:
     """Sort the vectors of a rung into `parts` sectors of the last joint: `begin` (parts + 1,), `order` (m,)."""
     a, b, last = ladder.first[rung], ladder.first[rung + 1], ladder.q.shape[1] - 1
@@ -88,25 +89,23 @@ def sort_by_angle(ladder: Ladder, rung: int, parts: int, begin: Indices, order: 
     begin[0] = 0
 
 
-@kernel
+@kernel(lean=True)
 def sector(angle: float, parts: int) -> int:
     """Which of `parts` equal sectors an angle lies in."""
     share = angle / TURN
     return min(int((share - math.floor(share)) * parts), parts - 1)
 
 
-@kernel
+@kernel(lean=True)
 def close_by(ladder: Ladder, u: int, v: int, bound: Array, even: bool) -> tuple[float, int]:
     """What the pair from u to v costs and the code of its turns; −1 where one joint goes beyond `bound` (j,)."""
     q, kind = ladder.q, ladder.kind
     count = q.shape[1]
-    leading = 0  # where external axes stand tells most pairs apart
-    while leading < count and kind[leading] == LINEAR:
-        if abs(q[v, leading] - q[u, leading]) > bound[leading]:
-            return -1.0, 0
-        leading += 1
-    for j in range(count - 1, leading - 1, -1):
-        if abs(step_of(q[u, j], q[v, j], kind[j])) > bound[j]:
+    for j in range(count - 1, -1, -1):
+        far = abs(q[v, j] - q[u, j])
+        if kind[j] != LINEAR:
+            far = min(far, abs(TURN - far))  # both lie in one turn
+        if far > bound[j]:
             return -1.0, 0
     way, code, turned = 0.0, 0, False
     for j in range(count):
@@ -118,6 +117,66 @@ def close_by(ladder: Ladder, u: int, v: int, bound: Array, even: bool) -> tuple[
         turned = turned or change != 0
         code = 3 * code + change + 1
     return way, code + 1 if turned else 0
+
+
+@kernel
+def leading_of(ladder: Ladder) -> int:
+    """How many joints go before the first one that turns: where external axes stand tells most pairs apart."""
+    leading = 0
+    while leading < ladder.kind.shape[0] and ladder.kind[leading] == LINEAR:
+        leading += 1
+    return leading
+
+
+@kernel(lean=True)
+def mark_blocks(ladder: Ladder, leading: int, begin: Indices, order: Indices, end: Indices) -> None:
+    """Where the block of each place of an `order` ends in which the `leading` joints stand alike, in each sector."""
+    for p in range(begin.shape[0] - 1):
+        for k in range(begin[p + 1] - 1, begin[p] - 1, -1):
+            goes_on = k + 1 < begin[p + 1]
+            for j in range(leading):
+                goes_on = goes_on and ladder.q[order[k], j] == ladder.q[order[k + 1], j]
+            end[k] = end[k + 1] if goes_on else k + 1
+
+
+@kernel(lean=True)
+def stand_apart(ladder: Ladder, u: int, v: int, leading: int, bound: Array) -> bool:
+    """Whether one of the `leading` joints goes beyond `bound` (j,) from u to v."""
+    apart = False
+    for j in range(leading):
+        apart = apart or abs(ladder.q[v, j] - ladder.q[u, j]) > bound[j]
+    return apart
+
+
+@kernel(lean=True)
+def pair_up(
+    ladder: Ladder,
+    v: int,
+    span: tuple[int, int],
+    order: Indices,
+    end: Indices,
+    leading: int,
+    bound: Array,
+    even: bool,
+    rails: Rails,
+    found: int,
+) -> int:
+    """Put the pairs that end at v into `rails`, from row `found` on; how many rows there are then.
+
+    They begin at places of `order` from span[0] to the one before span[1]; `end`: see `mark_blocks`.
+    """
+    k = span[0]
+    while k < span[1]:
+        u = order[k]
+        if stand_apart(ladder, u, v, leading, bound):
+            k = end[k]
+            continue
+        k += 1
+        far, code = close_by(ladder, u, v, bound, even)
+        if far >= 0.0:
+            rails.source[found], rails.shift[found], rails.way[found] = u, code, far
+            found += 1
+    return found
 
 
 @kernel
@@ -136,6 +195,7 @@ def link(ladder: Ladder, bound: Array, even: bool) -> Rails:
     for i in range(rungs):
         most = max(most, ladder.first[i + 1] - ladder.first[i])
     begin, order = np.empty(parts + 1, dtype=np.int64), np.empty(most, dtype=np.int64)
+    leading, end = leading_of(ladder), np.empty(most, dtype=np.int64)
     first = np.zeros(ladder.q.shape[0] + 1, dtype=np.int64)
     room = max(8 * ladder.q.shape[0], 16)
     source, shift, way = np.empty(room, dtype=np.int64), np.empty(room, dtype=np.int64), np.empty(room)
@@ -143,25 +203,25 @@ def link(ladder: Ladder, bound: Array, even: bool) -> Rails:
     for i in range(rungs):
         if i > 0:
             sort_by_angle(ladder, i - 1, parts, begin, order)
+            mark_blocks(ladder, leading, begin, order, end)
         for v in range(ladder.first[i], ladder.first[i + 1]):
             here = sector(ladder.q[v, count - 1], parts)
             for side in range(3 if i > 0 else 0):
                 if parts == 1 and side > 0:
                     break
                 p = (here + side - 1 + parts) % parts
-                for k in range(begin[p], begin[p + 1]):
-                    far, code = close_by(ladder, order[k], v, bound, even)
-                    if far < 0.0:
-                        continue
-                    if found == source.shape[0]:
-                        source, shift, way = longer(source), longer(shift), longer(way)
-                    source[found], shift[found], way[found] = order[k], code, far
-                    found += 1
+                needed = found + begin[p + 1] - begin[p]
+                if needed > source.shape[0]:
+                    # room for all rungs if they have as many pairs: what is not written to takes no memory
+                    rows = max(needed, source.shape[0] + source.shape[0] // 4, int(MORE * found * rungs / i))
+                    source, shift, way = longer(source, rows), longer(shift, rows), longer(way, rows)
+                rails, span = Rails(first, source, shift, way), (begin[p], begin[p + 1])
+                found = pair_up(ladder, v, span, order, end, leading, bound, even, rails, found)
             first[v + 1] = found
     return Rails(first, source, shift, way)
 
 
-@kernel
+@kernel(lean=True)
 def turn_before(ladder: Ladder, turn: int, shift: int) -> int:
     """The turn at the start of a pair whose end has `turn`; −1 where there is none."""
     if shift == 0:
@@ -178,6 +238,25 @@ def turn_before(ladder: Ladder, turn: int, shift: int) -> int:
 
 
 @kernel
+def shifted_turns(ladder: Ladder, rails: Rails) -> tuple[Indices, Indices]:
+    """`turn_before` of each turn for every shift that rails have, (c, t), and the row of each shift, -1 for others."""
+    codes, turns = 1, ladder.whole.shape[0]
+    for _ in range(ladder.turns.shape[0]):
+        codes *= 3
+    row, count = np.full(codes + 1, -1, dtype=np.int64), 0
+    for e in range(rails.first[rails.first.shape[0] - 1]):
+        if row[rails.shift[e]] < 0:
+            row[rails.shift[e]] = count
+            count += 1
+    table = np.empty((count, turns), dtype=np.int64)
+    for shift in range(codes + 1):
+        if row[shift] >= 0:
+            for t in range(turns):
+                table[row[shift], t] = turn_before(ladder, t, shift)
+    return table, row
+
+
+@kernel(lean=True)
 def margin_of(ladder: Ladder, v: int, turn: int) -> float:
     """The least distance of any joint of vector v from its limits, with `turn`; negative outside."""
     least = np.inf
@@ -236,6 +315,7 @@ def widest(ladder: Ladder, rails: Rails) -> float:
     most = most_of(ladder)
     before, now = np.empty((most, turns)), np.empty((most, turns))
     cap = np.empty(turns)
+    moved, of_shift = shifted_turns(ladder, rails)
     best = -1.0
     for i in range(rungs):
         a = ladder.first[i]
@@ -253,11 +333,11 @@ def widest(ladder: Ladder, rails: Rails) -> float:
             for e in range(rails.first[v], rails.first[v + 1]):
                 if lower == 0:
                     break
-                old, shift = before[rails.source[e] - above], rails.shift[e]
+                old, come = before[rails.source[e] - above], moved[of_shift[rails.shift[e]]]
                 for t in range(turns):
                     if row[t] >= cap[t]:
                         continue
-                    s = turn_before(ladder, t, shift)
+                    s = come[t]
                     if s >= 0 and old[s] > row[t]:
                         row[t] = min(old[s], cap[t])
                         if row[t] >= cap[t]:
@@ -280,6 +360,10 @@ def shortest(
     rungs, turns = ladder.first.shape[0] - 1, ladder.whole.shape[0]
     most = most_of(ladder)
     before, now = np.empty((most, turns)), np.empty((most, turns))
+    # the least of each row before, and of the vector at hand what each turn costs at most
+    least_before, least_now = np.empty(most), np.empty(most)
+    moved, of_shift = shifted_turns(ladder, rails)
+    keeps = np.empty(turns, dtype=np.int64)
     best, vector, turn = np.inf, NOBODY, NOBODY
     for i in range(rungs):
         a = ladder.first[i]
@@ -288,22 +372,64 @@ def shortest(
         for v in range(a, ladder.first[i + 1]):
             row, by = now[v - a], parent[v]
             for t in range(turns):
-                row[t] = start[v, t] if i == 0 else np.inf
+                keeps[t] = 1 if margin_of(ladder, v, t) >= margin - SLACK else 0
+                row[t] = start[v, t] if i == 0 and keeps[t] == 1 else np.inf
                 by[t] = NOBODY
-            for e in range(rails.first[v], rails.first[v + 1]):
-                old, shift, way = before[rails.source[e] - above], rails.shift[e], rails.way[e]
-                for t in range(turns):
-                    s = turn_before(ladder, t, shift)
-                    if s >= 0 and old[s] + way < row[t]:
-                        row[t] = old[s] + way
-                        by[t] = e - rails.first[v]
+            begin, end = rails.first[v], rails.first[v + 1]
+            nearest = cheapest(rails, begin, end)
+            worst = np.inf
+            for k in range(begin - 1, end):  # the cheapest rail first: most others then cannot do better
+                e = nearest if k < begin else k
+                if k == nearest or e >= end or least_before[rails.source[e] - above] + rails.way[e] > worst:
+                    continue
+                worst = come_by(
+                    before[rails.source[e] - above],
+                    moved[of_shift[rails.shift[e]]],
+                    rails.way[e],
+                    e - begin,
+                    keeps,
+                    row,
+                    by,
+                )
+            least_now[v - a] = np.inf
             for t in range(turns):
-                if margin_of(ladder, v, t) < margin - SLACK:
-                    row[t] = np.inf
+                least_now[v - a] = min(least_now[v - a], row[t])
                 if row[t] < best:
                     best, vector, turn = row[t], v, t
         before, now = now, before
+        least_before, least_now = least_now, least_before
     return best, vector, turn
+
+
+@kernel(lean=True)
+def cheapest(rails: Rails, begin: int, end: int) -> int:
+    """Which of the rails from `begin` to the one before `end` costs least; `end`: there are none."""
+    found = end
+    for e in range(begin, end):
+        if found == end or rails.way[e] < rails.way[found]:
+            found = e
+    return found
+
+
+@kernel(lean=True)
+def come_by(
+    old: Array, come: Indices, way: float, rail: int, keeps: Indices, row: Array, by: NDArray[np.int16]
+) -> float:
+    """Lower what each turn (t,) costs to that of coming by a rail from one that costs `old` (t,); the most of them.
+
+    Of two ways that cost the same, the one by the earlier rail stays.
+    """
+    worst = -np.inf
+    for t in range(row.shape[0]):
+        if keeps[t] == 0:
+            continue
+        s = come[t]
+        if s >= 0:
+            cost = old[s] + way
+            if cost < row[t] or (cost == row[t] and rail < by[t]):
+                row[t], by[t] = cost, rail
+        worst = max(worst, row[t])
+    return worst
 
 
 @kernel
