@@ -67,7 +67,7 @@ def longer(column: Array | Indices, rows: int) -> Array | Indices:
     out = np.empty(rows, dtype=column.dtype)
     for i in range(column.shape[0]):
         out[i] = column[i]
-    return out
+    return out  # type: ignore[return-value]
 
 
 @kernel(lean=True)
