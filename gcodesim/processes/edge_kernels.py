@@ -33,12 +33,14 @@ ARC, AT_R, AT_Z, KAPPA, KAPPA_END, LENGTH, FOOT, HEAD, WEIGHT, PUSH = 0, 1, 2, 3
 # largest radius. Nearly all rows touch material at few angles, so each keeps the range of those; nothing else is worked
 # on. Then what the limits of contact within an angle add to the sums of sines and cosines, and that times height [m];
 # in the first row of an arc, whose sines take long, also which piece it is (its number + 1) and the kappa at its end;
-# and the push of the piece [N/m]. The width of a row is that of an edge of weight 1 with the same force.
+# and the push of the piece [N/m]; where teeth differ, the share of them that rubs where it is in contact.
+# The width of a row is that of an edge of weight 1 with the same force.
 RADIUS, HEIGHT, SIN_KAPPA, COS_KAPPA, EDGE_WIDTH, LOW, HIGH, OUTER, FROM, TO = 0, 1, 2, 3, 4, 5, 6, 7, 8, 9
 MORE_SINES, MORE_COSINES, LEVER_SINES, LEVER_COSINES = 10, 11, 12, 13
 OF_ARC, UP_TO = 14, 15
 PUSHED = 16
-COLUMNS = 17
+RUBS = 17
+COLUMNS = 18
 
 # An edge that moves into material at less than this share of its speed slides on it without cutting, as the flat bottom
 # of an end mill in a horizontal cut, whose commanded height is never exactly constant.

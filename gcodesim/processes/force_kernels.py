@@ -32,6 +32,7 @@ from gcodesim.processes.edge_kernels import (
     MORE_SINES,
     PUSHED,
     RADIUS,
+    RUBS,
     SIN_KAPPA,
     STEEPEST,
     TO,
@@ -63,7 +64,7 @@ from gcodesim.processes.law_kernels import (
 )
 from gcodesim.processes.rim_kernels import widest_below
 from gcodesim.processes.seam_kernels import DROP, LEVER, LIMIT, ROW
-from gcodesim.processes.uneven_force_kernels import greatest_uneven_chip, uneven_forces
+from gcodesim.processes.uneven_force_kernels import greatest_uneven_chip, rubbing_share, uneven_forces
 from gcodesim.processes.uneven_kernels import Uneven, are_uneven
 
 Array = NDArray[np.float64]
@@ -430,6 +431,7 @@ def add_uneven(
         uneven_forces(teeth.uneven, teeth.law, teeth.circle, heading, scale, chip, rows[i], begin, end, unit)
         if rows[i, PUSHED] > 0.0:
             press(rows[i, PUSHED], unit[:, begin:end])
+        rows[i, RUBS] = rubbing_share(rows[i], unit, room.weights[i])
         add_row(rows[i], unit, room.weights[i], room.sums)
         for k in range(seam, own if not cylinder or j == number - 1 else seam):
             limit, drop, lever = numbers[LIMIT, k], numbers[DROP, k], numbers[LEVER, k]

@@ -31,8 +31,8 @@ PARTS = 4  # of an angle, with nodes of their own
 
 TANGENTIAL, NORMAL, AXIAL = 0, 1, 2  # components of a law
 
-# Rows of `Room.unit`
-UNIT_U, UNIT_L, UNIT_Z, UNIT_TURN = 0, 1, 2, 3
+# Rows of `Room.unit`: forces, and where teeth differ the share of them that cuts.
+UNIT_U, UNIT_L, UNIT_Z, UNIT_TURN, UNIT_SHARE = 0, 1, 2, 3, 4
 
 
 class ForceLaw(NamedTuple):

@@ -397,7 +397,7 @@ class Milling(Process):
             rows=np.zeros((rows, COLUMNS)),
             weights=np.zeros((rows, ANGLES)),
             sums=np.zeros((SUMS, ANGLES)),
-            unit=np.zeros((4, ANGLES)),
+            unit=np.zeros((5, ANGLES)),
             line=np.zeros(ANGLES),
             share=np.zeros(ANGLES),
             places=Places(np.zeros(ANGLES), np.zeros(ANGLES), np.zeros(ANGLES)),

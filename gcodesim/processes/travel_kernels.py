@@ -31,6 +31,7 @@ from gcodesim.processes.edge_kernels import (
     MORE_COSINES,
     MORE_SINES,
     RADIUS,
+    RUBS,
     SIN_KAPPA,
     TO,
     Array,
@@ -39,6 +40,7 @@ from gcodesim.processes.edge_kernels import (
 from gcodesim.processes.engagement_kernels import Room
 from gcodesim.processes.force_kernels import TORQUE, Teeth
 from gcodesim.processes.law_kernels import AXIAL, COSINE, NORMAL, SINE, TANGENTIAL
+from gcodesim.processes.uneven_kernels import are_uneven
 
 LEAST, MOST = 1.0e-3, 4.0  # range of advance over feed for which chips are computed
 SAME_WAY = 1.0 - 0.5 * 0.05 * 0.05  # cosine of the angle by which a contact may turn before it is sampled again
@@ -93,6 +95,8 @@ def edge_wrench(teeth: Teeth, heading: Heading, room: Room, used: int, wrench: A
             sines += weights[i, k] * mean_sines[k]
             cosines += weights[i, k] * mean_cosines[k]
         r, z, width = rows[i, RADIUS], rows[i, HEIGHT], rows[i, EDGE_WIDTH]
+        if are_uneven(teeth.uneven):
+            width *= rows[i, RUBS]
         tangential = width * rub_t
         inward = width * (rub_n * rows[i, SIN_KAPPA] + rub_a * rows[i, COS_KAPPA])
         along = width * (rub_n * rows[i, COS_KAPPA] - rub_a * rows[i, SIN_KAPPA])

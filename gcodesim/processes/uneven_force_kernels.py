@@ -9,11 +9,13 @@ from gcodesim.compiled import kernel
 from gcodesim.processes.edge_kernels import (
     ANGLES,
     COS_KAPPA,
+    FROM,
     HEIGHT,
     HIGH,
     LEAST_ADVANCE,
     LOW,
     SIN_KAPPA,
+    TO,
     Circle,
     Heading,
     turned,
@@ -24,6 +26,7 @@ from gcodesim.processes.law_kernels import (
     TABLE,
     TANGENTIAL,
     UNIT_L,
+    UNIT_SHARE,
     UNIT_TURN,
     UNIT_U,
     UNIT_Z,
@@ -53,7 +56,7 @@ def uneven_forces(
     uneven: Uneven, law: ForceLaw, circle: Circle, heading: Heading, scale: Scale, chip: float, row: Array,
     begin: int, end: int, unit: Array,
 ) -> None:  # fmt: skip
-    """Fill unit[:, begin:end] with force per width [N/m] along u, l, z and the cut, mean of all teeth.
+    """Fill unit[:, begin:end] with force per width [N/m] along u, l, z and the cut, mean of all teeth; their share.
 
     `row` is that of the edge; chip [m] the feed of a mean pitch. Each angle by Gauss-Legendre quadrature.
     """
@@ -63,6 +66,7 @@ def uneven_forces(
         spread_tooth(uneven, tooth, row[HEIGHT])
     for k in range(begin, end):
         unit[UNIT_U, k], unit[UNIT_L, k], unit[UNIT_Z, k], unit[UNIT_TURN, k] = 0.0, 0.0, 0.0, 0.0
+        unit[UNIT_SHARE, k] = 0.0
         for node in (-NODE, NODE):
             sine, cosine = turned(circle.sines[k], circle.cosines[k], node * np.pi / ANGLES)
             even = heading.level * sine * sin_kappa - heading.climb * cos_kappa
@@ -72,6 +76,7 @@ def uneven_forces(
             for tooth in range(teeth):
                 advance = advance_of_tooth(uneven, tooth, even, aside)
                 if advance > LEAST_ADVANCE:
+                    unit[UNIT_SHARE, k] += 0.5 / teeth
                     tangential += scale.tangential * grown_of(law, uneven, TANGENTIAL, advance) + rub[TANGENTIAL]
                     normal += scale.normal * grown_of(law, uneven, NORMAL, advance) + rub[NORMAL]
                     axial += scale.axial * grown_of(law, uneven, AXIAL, advance) + rub[AXIAL]
@@ -82,6 +87,16 @@ def uneven_forces(
             unit[UNIT_L, k] += tangential * sine - inward * cosine
             unit[UNIT_Z, k] += normal * cos_kappa - axial * sin_kappa
             unit[UNIT_TURN, k] += tangential
+
+
+@kernel(lean=True)
+def rubbing_share(row: Array, unit: Array, weights: Array) -> float:
+    """The share of teeth that cut, mean over the contact of a row."""
+    whole, cutting = 0.0, 0.0
+    for k in range(int(row[FROM]), int(row[TO])):
+        whole += weights[k]
+        cutting += weights[k] * unit[UNIT_SHARE, k]
+    return cutting / whole if whole > 0.0 else 0.0
 
 
 @kernel(lean=True)

@@ -172,3 +172,34 @@ def test_a_tooth_that_stands_in_takes_nothing() -> None:
     cut = ConstantCut(mode="slot", ap=AP, ae=D, feed_per_tooth=CHIP, spindle=OMEGA)
 
     assert tooth_chips(tool, cut, run_out_of(tool)) == pytest.approx([110e-6, 90e-6, 0.0, 0.0], abs=1e-12)
+
+
+def test_a_soft_tool_that_runs_out_bends_as_one_that_does_not() -> None:
+    """8 um of run-out at chips that begin at nothing: one tooth takes all and the other does not even rub.
+
+    Taken for rubbing, its edge left less than nothing for the chips, and the tip flew off, here by 5 mm.
+    """
+    bends = []
+    for more in ({}, {"runout": 8e-6}):
+        tool = TOOLS["lollipop_mill"](
+            diameter=8e-3, neck_diameter=4e-3, flute_length=7.5e-3, length=60e-3, flutes=2, substrate="carbide", **more
+        )
+        stock = Stock.box((0.0, 0.0, -12e-3), (20e-3, 30e-3, 0.0), 0.25e-3)
+        n, speed = 1000, 400e-3 / 60.0
+        way = np.linspace([10e-3, -8e-3, -9e-3], [10e-3, 4e-3, -9e-3], n + 1)
+        window = Window(
+            piece_start=way[:-1],
+            piece_end=way[1:],
+            piece_step=np.arange(n),
+            axis=np.tile([0.0, 0.0, 1.0], (n, 1)),
+            velocity=np.tile([0.0, speed, 0.0], (n, 1)),
+            rapid=np.zeros(n, dtype=bool),
+            signals={"spindle": np.full(n, 733.0), "active": np.zeros(n, dtype=bool)},
+            dt=12e-3 / n / speed,
+        )
+        process = Milling(cutter=tool, law=ALUMINIUM)
+        found = process.run(stock, window, process.begin())
+        bends.append(float(found["tool_bend"].max()))
+
+    assert 0.5e-3 < bends[0] < 2e-3
+    assert bends[1] == pytest.approx(bends[0], rel=0.15)
