@@ -43,7 +43,7 @@ def deaf_tool_findings(
             if order in orders:
                 hears = order in everywhere or (tool is not None and order in orders_of(_sensor_of(tool)))
             else:
-                hears = tool is not None and any(_switches(kind, *order) for kind in tool.processes)
+                hears = tool is not None and any(_switches(kind, *order) for kind in tool.acts_by)
             if not hears and (order in orders or is_switch(*order)):
                 found.setdefault((mounted, event.target, event.verb), []).append(event.span)
         if isinstance(event, Action | Output):
@@ -71,7 +71,7 @@ def _is_switch(signal: Signal | None, source: SignalSource) -> bool:
 
 
 def _reads(tool: Tool | None, name: str) -> bool:
-    return tool is not None and any(signal.name == name for kind in tool.processes for signal in PROCESSES[kind].reads)
+    return tool is not None and any(signal.name == name for kind in tool.acts_by for signal in PROCESSES[kind].reads)
 
 
 @cache

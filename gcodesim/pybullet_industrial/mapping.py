@@ -47,7 +47,9 @@ COUNTERPARTS: Final[dict[str, Counterpart]] = {
     "CollisionChecker.remove_link_id": Counterpart(
         differs="the link is left out against other bodies too; the original goes on looking at it there"
     ),
-    "EndeffectorTool": Counterpart(ours="`tools:` of a cell, by T and M6"),
+    "EndeffectorTool": Counterpart(
+        ours="`tools:` of a cell, by T and M6; `type: end_effector` is a body with a tip alone"
+    ),
     "EndeffectorTool.couple": Counterpart(differs="a link that does not exist leaves the tool as it was"),
     "EndeffectorTool.is_coupled": Counterpart(differs="True and False instead of 1 and 0"),
     "EndeffectorTool.set_tool_pose": Counterpart(

@@ -42,6 +42,7 @@ TOOLS = Family(
     spray_gun="gcodesim.tools.spray_gun:SprayGun",
     finger_gripper="gcodesim.tools.finger_gripper:FingerGripper",
     suction_gripper="gcodesim.tools.suction_gripper:SuctionGripper",
+    end_effector="gcodesim.tools.end_effector:EndEffector",
     probe="gcodesim.tools.probe:Probe",
     camera="gcodesim.tools.sensor_heads:CameraHead",
     depth_camera="gcodesim.tools.sensor_heads:DepthCameraHead",

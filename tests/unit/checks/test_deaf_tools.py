@@ -47,6 +47,15 @@ def test_a_tool_that_is_loaded_at_the_start_hears() -> None:
     assert told("G21 G90\nG43 H1\nM10\nG1 X10 F6000\nM11\nM2\n", cell) == []
 
 
+def test_any_tool_hears_the_signal_of_its_load() -> None:
+    signals = "signals: {load: {word: M67 E0, per: 1 %}}\n"
+    loaded = CELL.replace("length: 120", "length: 120, load: {force: [0, 0, 20 N]}") + signals
+    program = "G21 G90\nT2 M6 G43\nM67 E0 Q50\nG1 X10 F6000\nM2\n"
+
+    assert told(program, loaded) == []
+    assert told(program.replace("T2", "T1"), loaded) == [("GS507", 3, 1)]
+
+
 def test_a_grip_is_blamed_on_its_own_word() -> None:
     """M11 stands behind M62, before the move with which the gripper closes."""
     assert told("G21 G90\nT2 M6 G43\nG0 X200\nM62 P1\nM11\nG0 Z50\nM2\n") == [("GS561", 4, 1)]

@@ -1,0 +1,20 @@
+(a stamp presses two pins into a plate)
+G21 G90 G17 G94
+T1 M6
+M67 E0 Q0
+G43 H1
+G0 X-40 Y0 Z60
+G0 Z5
+G1 Z0 F600
+M67 E0 Q100
+G4 P0.2
+M67 E0 Q0
+G0 Z20
+G0 X40
+G0 Z5
+G1 Z0
+M67 E0 Q100
+G4 P0.2
+M67 E0 Q0
+G0 Z60
+M2
