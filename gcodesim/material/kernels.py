@@ -47,10 +47,14 @@ from gcodesim.material.removal_kernels import (
 )
 from gcodesim.material.revolved_kernels import discs_across, ring_at, swept_outline, take_ring
 from gcodesim.material.sweep_kernels import Shape, shape_in, underside
+from gcodesim.material.wall_gap_kernels import AT_RIM, LINES, NOTHING, Rim, first_away, gap_outside
 from gcodesim.material.wall_kernels import beyond_columns
 
 __all__ = [
+    "AT_RIM",
     "ELSEWHERE",
+    "LINES",
+    "NOTHING",
     "Bead",
     "BodyWays",
     "Field",
@@ -58,6 +62,7 @@ __all__ = [
     "NearWall",
     "PassPieces",
     "Places",
+    "Rim",
     "Scratch",
     "Shape",
     "Spots",
@@ -72,6 +77,8 @@ __all__ = [
     "difference",
     "discs_across",
     "fill_slices",
+    "first_away",
+    "gap_outside",
     "highest_at",
     "occupancy",
     "patch_at",
