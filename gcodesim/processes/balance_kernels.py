@@ -31,6 +31,7 @@ import numpy as np
 
 from gcodesim.compiled import kernel
 from gcodesim.material.kernels import Field, coarsest, top_nearby
+from gcodesim.processes.arrival_kernels import note_step
 from gcodesim.processes.edge_kernels import LEAST_ADVANCE, Array, Heading
 from gcodesim.processes.engagement_kernels import Room
 from gcodesim.processes.force_kernels import RESULT, TORQUE, Teeth, cutting_force
@@ -96,6 +97,7 @@ class Bite(NamedTuple):
     feed: Array
     hold: float
     turn: float  # [1/m] of the way, to the left
+    felt: Array  # what it was in contact with, see `State`
 
 
 @kernel(lean=True)
@@ -130,6 +132,7 @@ def put_beside(bite: Bite, v: Array) -> None:
 def wrench_on_way(field: Field, bite: Bite, v: Array, room: Room, result: Array) -> float:
     """Wrench at velocity v (3,) [m/s], into `result` (RESULT,); returns the chip [m] for which it is."""
     put_beside(bite, v)
+    note_step(room.step, bite.begin, bite.time * v[0], bite.time * v[1], bite.felt)
     ux, uy, flat = level_way(bite, v)
     speed = np.sqrt(flat * flat + v[2] * v[2])
     if speed <= LEAST_SPEED:
@@ -274,6 +277,7 @@ def balance(
     the axes of `field`.
     """
     state = state_of(values)
+    state.felt[0] = coarsest(field)
     way = Way(cut.ends[0], cut.ends[1], np.empty(3), np.empty(3))
     cell, flat = coarsest(field), flat_way(way)
     top = top_nearby(field, way.after[0], way.after[1], 2.0 * tool.cutter.radius + cell + flat)
@@ -306,6 +310,7 @@ def balance(
         cut.feed,
         hold,
         state.turn[TURN],
+        state.felt,
     )
     kept = (np.empty(RESULT), np.empty(3), np.empty(RESULT), np.empty((2, 2)))
     chip, fall = solve_way(field, bite, give, v, room, kept, result)

@@ -22,6 +22,7 @@ from gcodesim.material.kernels import (
     occupancy,
     to_columns,
 )
+from gcodesim.processes.arrival_kernels import keep_arrived
 from gcodesim.processes.edge_kernels import (
     ANGLES,
     FROM,
@@ -62,7 +63,19 @@ from gcodesim.processes.limit_kernels import (
     spot_at,
     spot_beyond,
 )
-from gcodesim.processes.seam_kernels import DROP, FIRST, LAST, LEVER, LIMIT, crossing, goes_on, ramp_at, set_limit
+from gcodesim.processes.seam_kernels import (
+    AFTER,
+    DROP,
+    FIRST,
+    LAST,
+    LEVER,
+    LIMIT,
+    ROW,
+    crossing,
+    goes_on,
+    ramp_at,
+    set_limit,
+)
 
 Array = NDArray[np.float64]
 
@@ -176,9 +189,12 @@ def share_of_layer(room: Room, cylinder: EdgeCylinder, layer: EdgeLayer, share: 
 
 @kernel(lean=True, inlined=True)
 def note_layer(
-    room: Room, cylinder: EdgeCylinder, layer: EdgeLayer, from_k: int, to_k: int, limit: float, seam: int
+    room: Room, cylinder: EdgeCylinder, layer: EdgeLayer, from_k: int, to_k: int, limit: float, seam: int, told: bool
 ) -> None:
-    """Let contact of a layer end at a limit [angles] between two angles, and note it as a seam."""
+    """Let contact of a layer end at a limit [angles] between two angles, and note it as a seam.
+
+    ROW..AFTER of the seam are rows of which a wall has told the limit.
+    """
     drop, lever = 0.0, 0.0
     for i in range(cylinder.first + layer.begin, cylinder.first + layer.end):
         own = set_limit(room.weights, i, from_k, to_k, limit)
@@ -186,6 +202,8 @@ def note_layer(
         lever += own * room.rows[i, HEIGHT]
     places, numbers = room.seams
     places[FIRST, seam], places[LAST, seam] = from_k, to_k
+    places[ROW, seam] = cylinder.first + layer.begin
+    places[AFTER, seam] = cylinder.first + (layer.end if told else layer.begin)
     numbers[LIMIT, seam], numbers[DROP, seam], numbers[LEVER, seam] = limit, drop, lever
 
 
@@ -233,7 +251,7 @@ def sides_of_layer(
                 break
             upper = above_foot(cylinder, rest, limit)
             fill_outermost(field, tip, heading, clearance, room, cylinder, upper, limit, at_left)
-            note_layer(room, cylinder, upper, from_k, to_k, limit.angle, seam)
+            note_layer(room, cylinder, upper, from_k, to_k, limit.angle, seam, True)
             rest, seam, found = EdgeLayer(rest.begin, upper.begin), seam + 1, True
         if found and at_left:
             first = to_k + 1
@@ -332,7 +350,7 @@ def seams_of_layer(
             for at_left in (True, False):  # soft up to the rim: no angle there says what is outside the wall
                 if (from_k == 0 and limit.aside > 0.0) if at_left else (to_k == HALF - 1 and limit.aside < 0.0):
                     fill_outermost(field, tip, own, clearance, room, cylinder, layer, limit, at_left)
-        note_layer(room, cylinder, layer, from_k, to_k, limit.angle, seam)
+        note_layer(room, cylinder, layer, from_k, to_k, limit.angle, seam, seen)
         seam, done = seam + 1, to_k + 1
     return seam
 
@@ -372,4 +390,7 @@ def contact_of_cylinder(
     begin, end = reach_of_seams(room, seams)
     rows[first : first + number, FROM] = begin
     rows[first : first + number, TO] = end
-    return seams if end > begin else NOWHERE
+    if end <= begin:
+        return NOWHERE
+    keep_arrived(field, circle, tip, heading, room, first, number, seams)
+    return seams

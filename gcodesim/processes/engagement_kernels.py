@@ -106,7 +106,8 @@ class Room(NamedTuple):
     rows (n, COLUMNS) of the edge; of each the share of it that is in material, weights (n, ANGLES); sums (SUMS, ANGLES)
     over rows; unit (4, ANGLES): force per width along u, l, z and the cut; line, share and places (ANGLES,): what is
     asked of the stock; leans (ANGLES,), see `leans_of`; seams; for peaks, see `peak_kernels`: stretches (m, STRETCHES),
-    borders (2, BORDERS), gaps (GAPS, GAP) and load (4,).
+    borders (2, BORDERS), gaps (GAPS, GAP) and load (4,). For `arrival_kernels`: the step (STEP,) of the tip, NaN where
+    that is not known, and arrivals (2, n, ANGLES / 2).
     """
 
     rows: Array
@@ -122,6 +123,8 @@ class Room(NamedTuple):
     borders: Array
     gaps: Array
     load: Array
+    step: Array
+    arrivals: Array
 
 
 @kernel(lean=True)

@@ -34,6 +34,7 @@ from gcodesim.material.kernels import (
     touch_form,
     touch_piece,
 )
+from gcodesim.processes.arrival_kernels import FELT, note_step, remember
 from gcodesim.processes.edge_kernels import Heading
 from gcodesim.processes.engagement_kernels import Room
 from gcodesim.processes.force_kernels import (
@@ -85,6 +86,7 @@ CLEARANCE = 1.0e-6  # [m] by which a shank is assumed to be thinner, so that it 
 CREDIT_CELLS = 1.5
 PLAIN_SECTION = 0.5
 COLUMN_CUT = 0.02
+SPRINGS = 2.0  # a tip that is bent springs away from the front that it has cut by so many bends at most
 SMALL_BEND = 0.25  # a tool that is bent by more cells than this leans on the material, even where it slides along it
 LEAST_VOLUME = 1.0e-15  # [m³]; less is rounding
 
@@ -107,7 +109,8 @@ GOES_ON = 0.3  # of its turn, up to which a way is an arc no longer
 # places in `State.peaks`; the last one is the way since then [cells]
 MEAN_FORCE, MEAN_TORQUE, FED, AT_DEPTH, AT_WIDTH, AT_ENTRY, AT_EXIT, PEAK_OF_FORCE, PEAK_OF_TORQUE, GONE = range(10)
 
-EVALUATIONS = 10  # most samplings of the stock for one step
+EVALUATIONS = 10  # most samplings of the stock for one step, and
+TO_TOUCH = 40  # for the one in which the tool comes to it, whose contact is all to be found
 CLOSE_RELATIVE = 0.01  # residual, as a share of the deflection, up to which the stock is not sampled again
 CLOSE_ABSOLUTE = 0.2e-6  # [m] the same, absolute
 CLOSE_ADVANCE = 0.02  # residual along the feed, as a share of the feed, since the chip depends on it
@@ -160,9 +163,10 @@ class State(NamedTuple):
     edges: Array  # (7,) of the edges, in the last cut
     turn: Array  # (6,) how much its way turns, see `follow_turn`
     peaks: Array  # (10,) for which contact peaks were looked for last, and what they were: see `greatest_loads`
+    felt: Array  # (FELT,) what was in contact, see `arrival_kernels`
 
 
-STATE = 55
+STATE = 55 + FELT
 
 
 def axis_of(values: Array) -> Array:
@@ -186,7 +190,8 @@ class Step(NamedTuple):
 class Trial(NamedTuple):
     """Room for the search of `solve_step`: bends (3,) [m], and directions (2,)."""
 
-    place: Array  # the tip that is tried
+    start: Array  # the tip before the step, and
+    place: Array  # where it is tried
     delta: Array
     residual: Array
     earlier: Array  # residual before
@@ -220,6 +225,7 @@ def state_of(values: Array) -> State:
     return State(
         values[0:8], values[8:11], values[11:14], values[14:17], values[17:19], values[19:21], values[21:23],
         values[23:29], values[29:36], values[49:55], values[39:49],
+        values[55:STATE],
     )  # fmt: skip
 
 
@@ -227,8 +233,8 @@ def state_of(values: Array) -> State:
 def new_trial() -> Trial:
     """Room for `solve_step`."""
     return Trial(
-        np.empty(3), np.empty(3), np.empty(3), np.empty(3), np.empty(3), np.empty(2), np.empty(2), np.empty(3),
-        np.empty((6, 3)),
+        np.empty(3), np.empty(3), np.empty(3), np.empty(3), np.empty(3), np.empty(3), np.empty(2), np.empty(2),
+        np.empty(3), np.empty((6, 3)),
     )  # fmt: skip
 
 
@@ -310,7 +316,7 @@ def solve_step(
     forces then have to be multiplied.
     """
     numbers, feed, level, climb, way = state.numbers, state.feed, step.level, step.climb, step.way
-    place, delta, residual, earlier, best, best_travel, begin, left, moves = trial
+    start, place, delta, residual, earlier, best, best_travel, begin, left, moves = trial
     begin[0], begin[1] = state.travel[0], state.travel[1]
     for axis in range(3):
         earlier[axis] = 0.0
@@ -327,14 +333,17 @@ def solve_step(
     asked, best_asked, ratio = advance, advance, 1.0
     least = np.inf
     used = 0
-    for turn in range(EVALUATIONS + 1):
-        if turn == EVALUATIONS:  # no fixed point found: move on from the best place seen, no faster than the feed
+    last = EVALUATIONS if numbers[CUTTING] > 0.0 else TO_TOUCH
+    for turn in range(last + 1):
+        if turn == last:  # no fixed point found: move on from the best place seen, no faster than the feed
             advance = best_asked
             travel.travel[0], travel.travel[1] = best_travel[0], best_travel[1]
         for axis in range(3):
-            if turn == EVALUATIONS:
+            if turn == last:
                 delta[axis] = best[axis]
             place[axis] = step.tip[axis] + delta[axis]
+            start[axis] = step.tip[axis] + state.delta[axis]
+        note_step(room.step, start, left[0] + delta[0], left[1] + delta[1], state.felt)
         asked, ux, uy = advance, travel.travel[0], travel.travel[1]
         used, advance, ratio = look(field, teeth, step, travel, wrenches, place, asked, room, result)
         follows = way > 0.0 and used > 0 and advance != 1.0
@@ -344,7 +353,7 @@ def solve_step(
             bent += residual[axis] * residual[axis]
             residual[axis] -= delta[axis]
             size += residual[axis] * residual[axis]
-        if turn == EVALUATIONS:
+        if turn == last:
             onward = min(1.0, way / np.sqrt(size)) if size > 0.0 else 0.0
             for axis in range(3):
                 delta[axis] += onward * residual[axis]
@@ -584,8 +593,12 @@ def feel(
         if rigid:
             unbend(state)
             fed = Heading(state.feed[0], state.feed[1], level, climb, state.turn[TURN])
+            for axis in range(3):
+                trial.place[axis] = before[axis]
+            note_step(room.step, before, after[0] - before[0], after[1] - before[1], state.felt)
             used = cutting_force(field, tool.teeth, before, fed, chip, top, room, result)
         else:
+            state.felt[0] = SPRINGS * bend(state)
             step = Step(state.turn[TURN], before, level, climb, chip, length, top)
             used, chip, ratio = solve_step(field, tool.teeth, motion.compliance[k], step, room, trial, state, result)
     elif not rapid:
@@ -595,6 +608,7 @@ def feel(
     # a rapid keeps the deflection until the tool is out: springing back inside its own cut would gouge the wall,
     # which a tool that is still turning would resist
     numbers[CUTTING] = 1.0 if used > 0 else 0.0
+    remember(room, Heading(heading[0], heading[1], level, climb, 0.0), trial.place, used, state.felt)
     if used == 0:
         state.peaks[GONE] = np.inf
     else:

@@ -321,6 +321,7 @@ def mill_swinging(
     desk = Bench(bench, new_trial(), np.zeros(RESULT))
     way = Way(np.empty(3), np.empty(3), np.empty(3), np.empty(3))
     state, felt, told, y = state_of(values), values[STATE : STATE + 6], np.empty(3), np.empty(2 * joints)
+    state.felt[0] = coarsest(field)
     resumed = stop[0] > 0.0
     for part in range(int(stop[1]), m):
         k = parts.step[part]

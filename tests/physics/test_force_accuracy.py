@@ -298,6 +298,69 @@ def test_a_line_behind_an_arc_is_felt(radius, wide):
     assert found["peak_force"][behind] == pytest.approx(wanted.peak_force, rel=0.05)
 
 
+@pytest.mark.parametrize("angle", [0.0, 0.3, 0.785])
+@pytest.mark.parametrize("beyond", [0.0, 1e-3])
+def test_a_level_is_cut_up_to_the_wall_of_earlier_ones(angle, beyond):
+    """Where earlier levels have ended the mill felt their wall over a cell and a half before it: four times the force.
+
+    It feels all of it where it goes on into that wall, and from the step in which it comes there.
+    """
+    cutter, stock, end = mill("flat_end_mill"), block(), 6e-3
+    for level in (-2e-3, -4e-3, -6e-3):
+        cut(stock, cutter, None, placed([(-20e-3, 0.0, level), (end, 0.0, level)], angle))
+    cut(stock, cutter, None, placed([(-20e-3, 0.0, -8e-3), (0.0, 0.0, -8e-3)], angle))
+    at, found = cut(stock, cutter, STEEL, placed([(0.0, 0.0, -8e-3), (end + beyond, 0.0, -8e-3)], angle))
+    force, steps = np.linalg.norm(found.wrench[:, :3], axis=1), int(end / (end + beyond) * (len(at) - 1))
+    level = float(np.median(force[20 : steps - 1]))
+
+    assert force[20 : steps - 1].min() > 0.99 * level
+    assert force[20 : steps - 1].max() < 1.1 * level  # it was four times as much
+    if beyond > 0.0:
+        assert force[steps + 2 :] == pytest.approx(np.full(len(force) - steps - 2, 4.0 * level), rel=0.01)
+
+
+@pytest.mark.parametrize("turn", [-60.0, -90.0, -135.0])
+def test_a_corner_in_the_full_is_felt_as_the_walls_are(turn):
+    """Behind a corner of a slot the mill felt walls a cell away from it: 28 % too much at 90 deg, 70 % at 135 deg."""
+    cutter, stock = mill("flat_end_mill"), block()
+    way = placed(
+        [(-20e-3, 0.0, -3e-3), (0.0, 0.0, -3e-3), (8e-3 * math.cos(turn * DEG), 8e-3 * math.sin(turn * DEG), -3e-3)]
+    )
+    before = Pass(cutter, way[:2])
+    cut(stock, cutter, None, before.places)
+    at, found = cut(stock, cutter, STEEL, way[1:])
+    heading = (at[1] - at[0]) / np.linalg.norm(at[1] - at[0])
+    shares = []
+    for k in (2, 5, 10, 20, 30, 40, 60, 80, 100, 120, 150, 180):
+        own = Pass(cutter, at[[0, k]])
+        wanted = loads(cutter, STEEL, CHIP, 0.5 * (at[k] + at[k + 1]), heading, [before, own], angles=1440, count=4)
+        shares.append(np.linalg.norm(found.wrench[k, :3]) / wanted.size)
+        assert found["peak_force"][k] == pytest.approx(wanted.peak_force, rel=0.05)
+
+    assert shares == pytest.approx(np.ones(len(shares)), abs=0.12)
+    assert np.mean(shares) == pytest.approx(1.0, abs=0.02)
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.4])
+def test_a_mill_that_enters_a_block_feels_what_it_has_reached(angle):
+    """Contact began a cell and a half before the rim was there: 54 % too much force a millimetre into the block."""
+    cutter, stock = mill("flat_end_mill"), Stock.box((0.0, -40e-3, -20e-3), (60e-3, 40e-3, 0.0), D / 24)
+    side = TOOLS["flat_end_mill"](diameter=80e-3, flutes=FLUTES)
+    free = Pass(side, np.array([(-40e-3, y, -20e-3) for y in (-30e-3, 30e-3)]))
+    way = np.array([(-6e-3, 0.13e-3, -3e-3), (3e-3, 0.13e-3 + 9e-3 * math.tan(angle), -3e-3)])
+    at, found = cut(stock, cutter, STEEL, way)
+    heading = (at[1] - at[0]) / np.linalg.norm(at[1] - at[0])
+    shares = []
+    for reached in (0.3e-3, 0.5e-3, 0.7e-3, 0.9e-3, 1.1e-3, 1.5e-3, 2e-3, 3e-3, 4e-3):
+        k = int(np.searchsorted(at[:, 0], reached - 0.5 * D))
+        own = Pass(cutter, at[[0, k]])
+        wanted = loads(cutter, STEEL, CHIP, 0.5 * (at[k] + at[k + 1]), heading, [free, own], angles=1440, count=4)
+        shares.append(np.linalg.norm(found.wrench[k, :3]) / wanted.size)
+
+    assert shares == pytest.approx(np.ones(len(shares)), abs=0.12)
+    assert np.mean(shares) == pytest.approx(1.0, abs=0.03)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(40))
 def test_drawn_cuts(seed):
