@@ -171,7 +171,7 @@ class Extrude(Event):
 
 @frozen
 class PlannerLimits(Event):
-    """State: limits of a printer's planner."""
+    """State: limits of the planner of a printer, or of grbl."""
 
     limits: MotionLimits
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable
 from typing import Any
 
@@ -52,9 +53,11 @@ def _extrude(length: float) -> dict[str, Any]:
 
 
 def _limits(event: ev.PlannerLimits) -> dict[str, Any]:
-    limits = event.limits
-    out: dict[str, Any] = {name: [number(v / MM) for v in getattr(limits, name)] for name in _OF_FOUR}
-    return out | {name: number(getattr(limits, name) / MM) for name in _OF_ONE}
+    limits = event.limits  # what the machine alone limits is not said
+    out: dict[str, Any] = {
+        name: [number(v / MM) for v in values] for name in _OF_FOUR if max(values := getattr(limits, name)) < math.inf
+    }
+    return out | {name: number(value / MM) for name in _OF_ONE if (value := getattr(limits, name)) < math.inf}
 
 
 def _section(event: ev.SectionStart) -> dict[str, Any]:

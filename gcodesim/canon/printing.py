@@ -9,12 +9,13 @@ Four = tuple[float, float, float, float]
 
 
 class MotionLimits(NamedTuple):
-    """Limits that a printer's planner keeps, as its program leaves them; SI, E in metres of filament.
+    """Limits that the planner of a printer or of grbl keeps, as its program leaves them; SI, E in metres of filament.
 
     `speed`, `acceleration` and `jerk` are those of the axes. `printing`, `retracting` and `travel` are the
     accelerations [m/s²] of moves that extrude, of E alone, and of moves that do not. Corners are passed by `corner`
     [m/s], the speed through a right angle (Klipper's square corner velocity), else by `deviation` [m] (Marlin's
-    junction deviation), else by `jerk`, the step in speed of each axis. The planner looks `buffer` moves ahead.
+    junction deviation), else by `jerk`, the step in speed of each axis. The planner looks `buffer` moves ahead. grbl's
+    is `plain`: rapids pass corners as other moves do, and short moves have no law of their own.
     """
 
     speed: Four
@@ -26,6 +27,7 @@ class MotionLimits(NamedTuple):
     deviation: float = 0.0
     corner: float = 0.0
     buffer: int = 16
+    plain: bool = False
 
 
 class Section(NamedTuple):

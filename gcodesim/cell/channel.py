@@ -267,8 +267,9 @@ class Channel:
         quiet=True,
     )
     firmware: Firmware | None = key(
-        Record(Firmware, "limits of a printer's planner"),
-        "what the control of a printer is set to, until the program says otherwise; default: as it is delivered",
+        Record(Firmware, "limits of a printer's planner, or of grbl's"),
+        "what the control of a printer is set to, until the program says otherwise, or grbl's `$11` as "
+        "`junction_deviation`; default: as it is delivered",
         default=None,
         quiet=True,
     )

@@ -43,7 +43,9 @@ class Firmware:
         default=None,
     )
     junction_deviation: float | None = key(
-        Quantity("length", POSITIVE), "corners by Marlin's junction deviation in place of jerk (M205 J)", default=None
+        Quantity("length", POSITIVE),
+        "corners by junction deviation: of Marlin in place of jerk (M205 J), of grbl (`$11`)",
+        default=None,
     )
     corner_speed: float | None = key(
         Quantity("speed", POSITIVE), "speed through a right angle: Klipper's square corner velocity", default=None

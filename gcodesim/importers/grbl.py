@@ -20,6 +20,7 @@ from gcodesim.importers.importer import (
     read_text,
     written,
 )
+from gcodesim.rs274.grbl import GRBL_LIMITS
 from gcodesim.units import INCH, MM
 
 # senders put a time, an arrow or a name before what the control said: `$$ < $0=10`, `[12:04:11] $0=10`, `Recv: $0=10`
@@ -38,7 +39,6 @@ _REASONS: Final = (
     ("$101", "steps of the motor", False),
     ("$102", "steps of the motor", False),
     ("$103", "steps of the motor", False),
-    ("$11", "corners are passed by the law of the control with its usual deviation", True),
     ("$12", "arcs are exact", False),
     ("$20", "limits are always checked", False),
     ("$21", "limit switches", False),
@@ -66,6 +66,7 @@ class Grbl(Importer):
             raise NoSettingsError(f"{path} gives no axis a speed and a travel")
         lines = [*heading(path, "the settings of a grbl control"), "dialect: grbl", *machine_lines(axes)]
         lines += _offsets(settings) or list(zero_lines(axes))
+        lines += _corners(settings)
         lines += _startup(settings)
         lines += _spindle(settings)
         taken, left = settings.finished(_reasons(settings))
@@ -128,6 +129,14 @@ def _offsets(settings: FoundSettings) -> list[str]:
             continue
         systems.append(f"G5{number}: {{xyz: [{', '.join(written(v * unit) for v in values[:3] if v is not None)} mm]}}")
     return [f"work_offsets: {{{', '.join(systems)}}}"] if systems else []
+
+
+def _corners(settings: FoundSettings) -> list[str]:
+    """By how much corners may seem to be missed (`$11`): nothing where it is as grbl is delivered."""
+    deviation = settings.number("$11")
+    if not deviation or deviation * MM == GRBL_LIMITS.deviation:
+        return []
+    return [f"firmware: {{junction_deviation: {written(deviation)} mm}}"]
 
 
 def _startup(settings: FoundSettings) -> list[str]:

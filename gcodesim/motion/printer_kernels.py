@@ -1,4 +1,4 @@
-"""How fast a printer's planner passes the corners of its moves; arrays in and out."""
+"""How fast the planner of a printer, or of grbl, passes the corners of its moves; arrays in and out."""
 
 from __future__ import annotations
 
@@ -28,11 +28,16 @@ class Moves(NamedTuple):
 
 
 class JunctionLimits(NamedTuple):
-    """What rules the corner behind each move: `jerk` (n, 4), `deviation` (n,), `corner` (n,), as in `MotionLimits`."""
+    """What rules the corner behind each move, as in `MotionLimits`: `jerk` (n, 4); the others (n,), `plain` as 0 or 1.
+
+    `axes` (3,) [m/s²] are the accelerations of the machine's X, Y and Z.
+    """
 
     jerk: Column
     deviation: Column
     corner: Column
+    plain: Column
+    axes: Column
 
 
 @kernel
@@ -54,20 +59,43 @@ def step_factor(before: Column, after: Column, jerk: Column, speed: float) -> fl
 
 
 @kernel
-def corner_speed(moves: Moves, k: int, deviation: float, is_klipper: bool) -> float:
+def across_corner(moves: Moves, k: int, axes: Column) -> float:
+    """The greatest acceleration [m/s²] from the direction of move k to that of the next that no axis exceeds.
+
+    axes (3,) [m/s²]; so grbl has it.
+    """
+    size = 0.0
+    for axis in range(3):
+        size += (moves.begin[k + 1, axis] - moves.end[k, axis]) ** 2
+    size, least = math.sqrt(size), np.inf
+    for axis in range(3):
+        share = abs(moves.begin[k + 1, axis] - moves.end[k, axis])
+        if share > 0.0:
+            least = min(least, axes[axis] * size / share)
+    return least
+
+
+@kernel
+def corner_speed(moves: Moves, k: int, deviation: float, is_klipper: bool, corners: JunctionLimits) -> float:
     """The greatest speed in the corner between moves k and k + 1 by junction deviation [m].
 
     The corner is passed on a circle that stays `deviation` away from it: v² = a d s / (1 - s) with s the sine of half
-    the angle between the moves (Jeon 2011; Marlin's `planner.cpp`, Klipper's `toolhead.py`). Klipper also keeps
-    v² below a L tan / 2 of both moves, Marlin below a times the radius that short moves of a curve have.
+    the angle between the moves (Jeon 2011; grbl's `planner.c`, Marlin's `planner.cpp`, Klipper's `toolhead.py`).
+    Klipper also keeps v² below a L tan / 2 of both moves, Marlin, but not the plain law of grbl, below a times the
+    radius that short moves of a curve have.
     """
     cosine = 0.0
     for axis in range(3):
         cosine -= moves.end[k, axis] * moves.begin[k + 1, axis]
     if cosine < -STRAIGHT:
         return np.inf
+    is_plain = corners.plain[k + 1] > 0.0
+    if is_plain and cosine > STRAIGHT:  # it turns back
+        return 0.0
     cosine = min(cosine, STRAIGHT)
     a = min(moves.acceleration[k], moves.acceleration[k + 1])
+    if is_plain:
+        a = across_corner(moves, k, corners.axes)
     sine = math.sqrt(0.5 * (1.0 - cosine))
     square = a * deviation * sine / (1.0 - sine)
     if is_klipper:
@@ -78,7 +106,7 @@ def corner_speed(moves: Moves, k: int, deviation: float, is_klipper: bool) -> fl
             * tangent
             * min(moves.length[k] * moves.acceleration[k], moves.length[k + 1] * moves.acceleration[k + 1]),
         )
-    elif moves.length[k + 1] < SHORT and cosine < -math.sqrt(0.5):
+    elif not is_plain and moves.length[k + 1] < SHORT and cosine < -math.sqrt(0.5):
         turn = acos(-cosine)
         square = min(square, moves.length[k + 1] / turn * a)
     return math.sqrt(square)
@@ -99,7 +127,7 @@ def junctions(rest: Column, moves: Moves, corners: JunctionLimits) -> Column:
             a = min(moves.acceleration[k], moves.acceleration[k + 1])
             deviation = corner * corner * (math.sqrt(2.0) - 1.0) / a
         if deviation > 0.0:
-            speed = min(speed, corner_speed(moves, k, deviation, corner > 0.0))
+            speed = min(speed, corner_speed(moves, k, deviation, corner > 0.0, corners))
             change = abs(moves.end[k, 3] - moves.begin[k + 1, 3])
             if change * speed > jerk[3]:
                 speed = jerk[3] / change

@@ -1,4 +1,7 @@
-"""The time law of printers: trapezoids under the firmware's limits, corners by jerk or deviation, a buffer of moves."""
+"""The time law of printers: trapezoids under the firmware's limits, corners by jerk or deviation, a buffer of moves.
+
+Grbl's is of the same kind: it follows the path as it is, and only slows down in corners.
+"""
 
 from __future__ import annotations
 
@@ -18,9 +21,12 @@ from gcodesim.motion.tool_path import ARC, EXACT_PATH, ToolPath
 _FAR: Final = 200  # moves from which on a planner counts as looking to the end
 
 
-def is_printed(path: ToolPath) -> bool:
-    """Whether the limits of a printer's planner hold for the path."""
-    return any(state.limits is not None for state in path.states)
+def is_printed(path: ToolPath, soft: bool = False) -> bool:
+    """Whether the limits of the planner of a printer, or of grbl, hold for the path.
+
+    `soft`: axes have a jerk, of which grbl's planner knows nothing; the control is another one then.
+    """
+    return any(state.limits is not None and not (soft and state.limits.plain) for state in path.states)
 
 
 def without_blending(path: ToolPath) -> ToolPath:
@@ -32,7 +38,8 @@ def as_printed(pieces: Pieces) -> Pieces:
     """`pieces` of a path without blending, with the speeds, accelerations and corners of a printer's planner.
 
     What the machine itself cannot do stays in force. A move extrudes at the printing acceleration, filament drawn back
-    on the way included; others have that of travel. Rapids go from rest to rest.
+    on the way included; others have that of travel. Rapids go from rest to rest, but those of a plain planner, which
+    gives lines all that their axes can.
     """
     path = pieces.path
     if not len(pieces):
@@ -43,18 +50,21 @@ def as_printed(pieces: Pieces) -> Pieces:
     share = np.maximum(np.abs(begin), np.abs(end))
     arcs = path.kind[rows] == ARC
     share[arcs, :2] = 1.0  # its direction takes every value in between, or nearly so
-    planned = np.isfinite(path.feed[rows]) & limits.known
+    planned = (np.isfinite(path.feed[rows]) | (limits.plain > 0.0)) & limits.known
     with np.errstate(divide="ignore"):
         most = np.where(share > 1e-9, 1.0 / np.maximum(share, 1e-9), np.inf)
         speed = np.minimum(pieces.speed, np.min(limits.speed * most, axis=1))
         own = np.where(path.extrude[rows] != 0.0, limits.printing, limits.travel)
-        acceleration = np.minimum(np.minimum(pieces.acceleration, own), np.min(limits.acceleration * most, axis=1))
+        axes = np.ascontiguousarray(pieces.limits.arrays[1, :3])
+        whole = np.where((limits.plain > 0.0) & ~arcs, np.min(axes * most[:, :3], axis=1), pieces.acceleration)
+        acceleration = np.minimum(np.minimum(whole, own), np.min(limits.acceleration * most, axis=1))
     speed = np.where(planned, speed, pieces.speed)
     acceleration = np.where(planned, acceleration, pieces.acceleration)
     rest = _rests(pieces)
     rest[:-1] |= ~planned[1:] | ~planned[:-1]
     moves = Moves(begin, end, pieces.length, speed, acceleration)
-    junction = junctions(rest, moves, JunctionLimits(limits.jerk, limits.deviation, limits.corner))
+    corners = JunctionLimits(limits.jerk, limits.deviation, limits.corner, limits.plain, axes)
+    junction = junctions(rest, moves, corners)
     if (limits.buffer < _FAR).any():
         junction = within_buffer(pieces.length, acceleration, junction, limits.buffer)
     return replace(pieces, speed=speed, acceleration=acceleration, junction=junction, ratio=np.ones(len(pieces)))
@@ -76,6 +86,7 @@ class _Limits:
         self.speed, self.acceleration, self.jerk = column("speed"), column("acceleration"), column("jerk")
         self.printing, self.travel = column("printing"), column("travel")
         self.deviation, self.corner = column("deviation"), column("corner")
+        self.plain = column("plain").astype(float)
         self.buffer = np.maximum(column("buffer").astype(np.int64), 2)
 
 

@@ -120,7 +120,7 @@ class AxisAttitude:
         """Joints within their limits wherever the tip is commanded; positions outside the travel are reported."""
         held = np.array([state.control == Commanded.POINT for state in path.states])[path.state]
         soft = bool(np.isfinite(kinematics.joints.jerk).any())
-        if is_printed(path) or not (held.any() or soft):
+        if is_printed(path, soft) or not (held.any() or soft):
             plain = AxisPosing(independent_rapids=self.independent_rapids)
             return plain.pose(path, kinematics, home, findings)
         tool, joints = self.tool, kinematics.joints

@@ -113,7 +113,7 @@ class AxisPosing:
         report_missing_axes(path, axes, findings)
         report_travel(path, axes, joints, findings)
         report_fast_feeds(path, along_limits(Curves.of(path), limits)[0], limits.speed, findings)
-        printed = is_printed(path)
+        printed = is_printed(path, soft=bool(np.isfinite(joints.jerk).any()))
         if printed:
             path = without_blending(path)
         pieces = blend(path, limits, independent_rapids=self.independent_rapids, sampled=not printed, early=not printed)

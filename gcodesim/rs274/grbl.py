@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import math
 import re
 from dataclasses import replace
 
+from gcodesim import canon
+from gcodesim.canon.printing import MotionLimits
 from gcodesim.diagnostics import SourceText, Span
 from gcodesim.rs274.block import Block
 from gcodesim.rs274.control import Control
@@ -17,10 +20,25 @@ from gcodesim.rs274.reader import Reader
 from gcodesim.rs274.run import Run
 from gcodesim.rs274.tokens import VERBATIM, Token
 from gcodesim.rs274.words import Words
+from gcodesim.units import MM
 
 _REALTIME = "?!~"  # single characters that act at once, wherever they stand
 _LAST_SYSTEM = 6
 _LONGEST = 79  # characters in its buffer, without blanks and comments
+_FREE = (math.inf, math.inf, math.inf, math.inf)
+GRBL_LIMITS = MotionLimits(
+    speed=_FREE,
+    acceleration=_FREE,
+    jerk=_FREE,
+    printing=math.inf,
+    retracting=math.inf,
+    travel=math.inf,
+    deviation=0.01 * MM,
+    buffer=1000,
+    plain=True,
+)
+"""Grbl 1.1: corners by `$11` as it is delivered (`DEFAULT_JUNCTION_DEVIATION` of its defaults.h is 0.01 mm); what axes
+can do stands with them, and how many blocks it looks ahead in the dialect."""
 _NOTE_OR_BLANK = re.compile(r"\([^)]*\)?|;.*|\s")
 
 
@@ -60,6 +78,11 @@ class GrblExecutor(Executor):
         file = GrblFile(source, self.reader)
         control = Control(self.settings, self.dialect)
         return file, control, FlowControl(control, file, self.reader, self.folders)
+
+    def _initial_path_control(self) -> None:
+        super()._initial_path_control()
+        limits = GRBL_LIMITS._replace(**self.settings.limits)
+        self.control.out.append(canon.PlannerLimits(span=self.control.span, limits=limits))
 
     def _line(self, file: ProgramFile, index: int, text: str) -> None:
         if text.strip() == "%":

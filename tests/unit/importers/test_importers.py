@@ -312,6 +312,14 @@ def test_offsets_of_grbl_are_in_the_units_of_its_reports(tmp_path: Path) -> None
     assert "G54: {xyz: [-101.6, -50.8, -25.4 mm]}" in found.text and "X: {travel: [-300, 0 mm]" in found.text
 
 
+def test_corners_of_grbl_are_those_of_its_deviation(tmp_path: Path) -> None:
+    (tmp_path / "grbl.txt").write_text(GRBL.format(laser=0, offsets="").replace("$11=0.010", "$11=0.025"))
+    found = imported("grbl", tmp_path / "grbl.txt")
+
+    assert "firmware: {junction_deviation: 0.025 mm}" in found.text and "$11" not in left(found)
+    assert limits_of(run(found, tmp_path, b"G21 G90\nG1 X-10 Y-10 F300\nM2\n"))["deviation"] == pytest.approx(2.5e-5)
+
+
 def test_what_only_grblhal_means(tmp_path: Path) -> None:
     """A lathe is no laser, zero may be at home, and an axis may have no travel."""
     own = "$22=9\n$113=3600\n$123=100\n$133=0\n"
@@ -341,6 +349,7 @@ def test_a_configuration_of_klipper(tmp_path: Path, kinematics: str) -> None:
     assert limits_of(job) == {
         "speed": (0.3, 0.3, 0.015, 0.3), "acceleration": (4.0, 4.0, 4.0, 1000.0), "corner": 0.008, "deviation": 0.0,
         "jerk": (0.0, 0.0, 0.0, 1000.0), "printing": 4.0, "travel": 4.0, "retracting": 4.0, "buffer": 1000,
+        "plain": False,
     }  # fmt: skip
     assert left(found)["[printer]minimum_cruise_ratio"] == (8, True)
     assert left(found)["[gcode_macro START_PRINT]"] == (16, True)
