@@ -66,7 +66,8 @@ def across_corner(moves: Moves, k: int, axes: Column) -> float:
     """
     size = 0.0
     for axis in range(3):
-        size += (moves.begin[k + 1, axis] - moves.end[k, axis]) ** 2
+        step = moves.begin[k + 1, axis] - moves.end[k, axis]
+        size += step * step
     size, least = math.sqrt(size), np.inf
     for axis in range(3):
         share = abs(moves.begin[k + 1, axis] - moves.end[k, axis])
