@@ -149,7 +149,10 @@ def is_at_front(field: Field, axis: int, i: int, j: int, side: int, part: float,
         if place == UNKNOWN:
             return True
         return bool((place if side > 0 else 1.0 - place) - part <= AT_RIM)
-    return free and not stands(field, i + 2 * step_i, j + 2 * step_j, height)
+    for k in range(2, LINES):
+        if stands(field, i + k * step_i, j + k * step_j, height):
+            return False
+    return free
 
 
 @kernel(lean=True)

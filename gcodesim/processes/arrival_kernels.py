@@ -40,28 +40,31 @@ from gcodesim.processes.engagement_kernels import Room
 from gcodesim.processes.seam_kernels import AFTER, DROP, FIRST, LAST, LEVER, LIMIT, ROW
 
 HALF = ANGLES // 2
+# Places in `State.felt`: by how much the tip may spring [m]; then up to which height [m] it was in contact in the step
+# before, for each of ANGLES directions in S, from X on to the left.
+SPRING, UP_TO = 0, 1
+FELT = UP_TO + ANGLES
 # Places in `Room.step`: where the tip really was before the step, x and y, and its level way in it [m], in S; then what
-# `State.felt` has: by how much the tip may spring [m], and up to which height [m] it was in contact in the step before,
-# for each of ANGLES directions in S, from X on to the left.
+# `State.felt` has.
 FROM_X, FROM_Y, WAY_X, WAY_Y, SLACK, MET = 0, 1, 2, 3, 4, 5
 STEP = MET + ANGLES
-FELT = 1 + ANGLES
 NOT_MET = -1.0e9  # [m]
 NOT_ASKED = -2.0e9  # [m] of a gap where nothing is in contact anyway
 NEVER = 1.0e3  # steps until a wall is met that is out of reach
 LEAST_CONTACT = 1.0e-6  # share of a row that is not rounding
 # planes of `Room.arrivals`
-GAP, ABOVE = 0, 1
+GAP, ABOVE, REST = 0, 1, 2
+ARRIVALS = 3
 
 
 @kernel(lean=True)
 def note_step(step: Array, begin: Array, way_x: float, way_y: float, felt: Array) -> None:
     """Note in `step` (STEP,) that the tip goes from `begin` (3,) on, by that way [m], and has `felt` (FELT,) so far."""
     step[FROM_X], step[FROM_Y], step[WAY_X], step[WAY_Y] = begin[0], begin[1], way_x, way_y
-    step[SLACK] = felt[0]
-    if felt[0] > 0.0:
+    step[SLACK] = felt[SPRING]
+    if felt[SPRING] > 0.0:
         for i in range(ANGLES):
-            step[MET + i] = felt[1 + i]
+            step[MET + i] = felt[UP_TO + i]
 
 
 @kernel(lean=True, inlined=True)
@@ -84,15 +87,15 @@ def met_near(step: Array, direction: int) -> float:
 def remember(room: Room, heading: Heading, tip: Array, used: int, felt: Array) -> None:
     """Keep in `felt` (FELT,) up to which height the first `used` rows are in contact in each direction."""
     for i in range(ANGLES):
-        felt[1 + i] = NOT_MET
-    if felt[0] == 0.0:
+        felt[UP_TO + i] = NOT_MET
+    if felt[SPRING] == 0.0:
         return
     zero = first_direction(heading)
     for i in range(used):
         top = tip[2] + room.rows[i, HIGH]
         for k in range(int(room.rows[i, FROM]), int(room.rows[i, TO])):
             if room.weights[i, k] > LEAST_CONTACT:
-                at = 1 + (zero - k) % ANGLES
+                at = UP_TO + (zero - k) % ANGLES
                 felt[at] = max(felt[at], top)
 
 
@@ -126,13 +129,13 @@ def counted(gap: float, middle: float, front: Front) -> float:
 
 
 @kernel(lean=True)
-def gaps_in(field: Field, rim: Rim, front: Front, room: Room, lowest: float, rows: tuple[int, int], k: int) -> bool:
-    """Fill `room.arrivals` (2, n, HALF) at angle k for the rows first..end, of which the first begins at a height [m].
+def gaps_in(field: Field, rim: Rim, front: Front, room: Room, lowest: float, span: tuple[int, int], k: int) -> bool:
+    """Fill `room.arrivals` at angle k for the rows first..end of a `span`, of which the first begins at a height [m].
 
     What is in material of a row is its lower part. Where it is not all of the row, the rest may be at a wall that is
     farther away than what is below its foot. Returns whether any row is not at its wall yet.
     """
-    first, end = rows
+    first, end = span
     height = room.rows[first, HIGH] - room.rows[first, LOW]
     size, foot, waits = NOTHING, np.inf, False
     for i in range(end - 1, first - 1, -1):
@@ -185,7 +188,7 @@ def all_at_front(field: Field, circle: Circle, tip: Array, room: Room, rim: Rim,
 
 @kernel(lean=True)
 def find_gaps(field: Field, circle: Circle, tip: Array, heading: Heading, room: Room, first: int, end: int) -> bool:
-    """Fill `room.arrivals` (2, n, HALF) for rows first..end of a cylinder; whether any is not at its wall yet.
+    """Fill `room.arrivals` (ARRIVALS, n, HALF) for rows first..end of a cylinder; whether any is not at its wall yet.
 
     In [GAP] how far each is from its wall at each angle [m], below 0 where it is in it; in [ABOVE] how much of it
     stands above the foot of that wall: what is below meets what the row below meets. Upper rows have their walls
@@ -298,22 +301,22 @@ def carry_over(room: Room, seams: int) -> None:
 
 @kernel(lean=True)
 def fill_rests(room: Room, first: int, number: int, seams: int) -> None:
-    """Put in place of the gaps in `room.arrivals` what share of each row's contact is left in the step.
+    """Put into `room.arrivals` [REST] what share of each row's contact is left in the step.
 
     At a seam of which a wall has told the limit, both seam and gaps tell where contact ends: the less counts.
     """
     rows, weights, arrivals, places = room.rows, room.weights, room.arrivals, room.seams.places
     begin, end = int(rows[first, FROM]), int(rows[first, TO])
-    for i in range(first + number - 1, first - 1, -1):  # a row needs the gaps of the one below
+    for i in range(first, first + number):
         for k in range(begin, end):
-            arrivals[ABOVE, i, k] = rest_of_row(room, i, first, k) if weights[i, k] > 0.0 else 0.0
+            arrivals[REST, i, k] = rest_of_row(room, i, first, k) if weights[i, k] > 0.0 else 0.0
     for seam in range(seams):
         begin, end = places[FIRST, seam], places[LAST, seam]
         for i in range(places[ROW, seam], places[AFTER, seam]):
             most = max(weights[i, begin], weights[i, end])
             for k in range(begin, end + 1):
                 if 0.0 < weights[i, k] < most:
-                    arrivals[ABOVE, i, k] = min(arrivals[ABOVE, i, k] * most / weights[i, k], 1.0)
+                    arrivals[REST, i, k] = min(arrivals[REST, i, k] * most / weights[i, k], 1.0)
 
 
 @kernel(lean=True)
@@ -326,7 +329,7 @@ def shorten_seams(room: Room, first: int, number: int, seams: int) -> None:
         drop, lever, rest, rest_lever = 0.0, 0.0, 0.0, 0.0
         for i in range(first, first + number):
             own = weights[i, places[FIRST, seam]] - weights[i, places[LAST, seam]]
-            share = own * room.arrivals[ABOVE, i, at]
+            share = own * room.arrivals[REST, i, at]
             drop, lever = drop + own, lever + own * rows[i, HEIGHT]
             rest, rest_lever = rest + share, rest_lever + share * rows[i, HEIGHT]
         numbers[DROP, seam] *= rest / drop if drop != 0.0 else 1.0
@@ -352,4 +355,4 @@ def keep_arrived(
     begin, last = int(room.rows[first, FROM]), int(room.rows[first, TO])
     for i in range(first, end):
         for k in range(begin, last):
-            room.weights[i, k] *= room.arrivals[ABOVE, i, k]
+            room.weights[i, k] *= room.arrivals[REST, i, k]

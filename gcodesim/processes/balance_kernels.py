@@ -31,7 +31,7 @@ import numpy as np
 
 from gcodesim.compiled import kernel
 from gcodesim.material.kernels import Field, coarsest, top_nearby
-from gcodesim.processes.arrival_kernels import note_step
+from gcodesim.processes.arrival_kernels import SPRING, note_step
 from gcodesim.processes.edge_kernels import LEAST_ADVANCE, Array, Heading
 from gcodesim.processes.engagement_kernels import Room
 from gcodesim.processes.force_kernels import RESULT, TORQUE, Teeth, cutting_force
@@ -277,7 +277,7 @@ def balance(
     the axes of `field`.
     """
     state = state_of(values)
-    state.felt[0] = coarsest(field)
+    state.felt[SPRING] = coarsest(field)
     way = Way(cut.ends[0], cut.ends[1], np.empty(3), np.empty(3))
     cell, flat = coarsest(field), flat_way(way)
     top = top_nearby(field, way.after[0], way.after[1], 2.0 * tool.cutter.radius + cell + flat)

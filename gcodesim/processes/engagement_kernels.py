@@ -107,7 +107,7 @@ class Room(NamedTuple):
     over rows; unit (4, ANGLES): force per width along u, l, z and the cut; line, share and places (ANGLES,): what is
     asked of the stock; leans (ANGLES,), see `leans_of`; seams; for peaks, see `peak_kernels`: stretches (m, STRETCHES),
     borders (2, BORDERS), gaps (GAPS, GAP) and load (4,). For `arrival_kernels`: the step (STEP,) of the tip, NaN where
-    that is not known, and arrivals (2, n, ANGLES / 2).
+    that is not known, and arrivals (ARRIVALS, n, ANGLES / 2).
     """
 
     rows: Array

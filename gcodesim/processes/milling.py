@@ -385,7 +385,7 @@ class Milling(Process):
     @cached_property
     def _room(self) -> Room:
         from gcodesim.material.kernels import Places
-        from gcodesim.processes.arrival_kernels import STEP
+        from gcodesim.processes.arrival_kernels import ARRIVALS, STEP
         from gcodesim.processes.edge_kernels import ANGLES, COLUMNS, LEAST_PIECES, SLICES
         from gcodesim.processes.engagement_kernels import Room
         from gcodesim.processes.force_kernels import SUMS
@@ -409,7 +409,7 @@ class Milling(Process):
             gaps=np.zeros((GAPS, GAP)),
             load=np.zeros(4),
             step=np.full(STEP, np.nan),
-            arrivals=np.zeros((2, rows, ANGLES // 2)),
+            arrivals=np.zeros((ARRIVALS, rows, ANGLES // 2)),
         )
 
 

@@ -34,7 +34,7 @@ from gcodesim.material.kernels import (
     touch_form,
     touch_piece,
 )
-from gcodesim.processes.arrival_kernels import FELT, note_step, remember
+from gcodesim.processes.arrival_kernels import FELT, SPRING, note_step, remember
 from gcodesim.processes.edge_kernels import Heading
 from gcodesim.processes.engagement_kernels import Room
 from gcodesim.processes.force_kernels import (
@@ -321,6 +321,7 @@ def solve_step(
     for axis in range(3):
         earlier[axis] = 0.0
         delta[axis] = state.delta[axis]
+        start[axis] = step.tip[axis] + delta[axis]
         left[axis] = way * (climb if axis == 2 else level * feed[axis]) - delta[axis]
     relaxation = numbers[RELAXATION] if numbers[RELAXATION] > 0.0 else 0.5
     advance = numbers[ADVANCE] if numbers[ADVANCE] > 0.0 else 1.0
@@ -342,7 +343,6 @@ def solve_step(
             if turn == last:
                 delta[axis] = best[axis]
             place[axis] = step.tip[axis] + delta[axis]
-            start[axis] = step.tip[axis] + state.delta[axis]
         note_step(room.step, start, left[0] + delta[0], left[1] + delta[1], state.felt)
         asked, ux, uy = advance, travel.travel[0], travel.travel[1]
         used, advance, ratio = look(field, teeth, step, travel, wrenches, place, asked, room, result)
@@ -598,7 +598,7 @@ def feel(
             note_step(room.step, before, after[0] - before[0], after[1] - before[1], state.felt)
             used = cutting_force(field, tool.teeth, before, fed, chip, top, room, result)
         else:
-            state.felt[0] = SPRINGS * bend(state)
+            state.felt[SPRING] = SPRINGS * bend(state)
             step = Step(state.turn[TURN], before, level, climb, chip, length, top)
             used, chip, ratio = solve_step(field, tool.teeth, motion.compliance[k], step, room, trial, state, result)
     elif not rapid:

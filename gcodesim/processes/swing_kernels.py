@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from gcodesim.compiled import kernel
 from gcodesim.material.kernels import Field, Scratch, coarsest, scratch
+from gcodesim.processes.arrival_kernels import SPRING
 from gcodesim.processes.balance_kernels import FreeCut, Give, balance
 from gcodesim.processes.engagement_kernels import Room
 from gcodesim.processes.force_kernels import RESULT
@@ -321,7 +322,7 @@ def mill_swinging(
     desk = Bench(bench, new_trial(), np.zeros(RESULT))
     way = Way(np.empty(3), np.empty(3), np.empty(3), np.empty(3))
     state, felt, told, y = state_of(values), values[STATE : STATE + 6], np.empty(3), np.empty(2 * joints)
-    state.felt[0] = coarsest(field)
+    state.felt[SPRING] = coarsest(field)
     resumed = stop[0] > 0.0
     for part in range(int(stop[1]), m):
         k = parts.step[part]
