@@ -152,21 +152,19 @@ def _joined(rows: Rows, one: int, next_one: int) -> bool:
 
 
 def _off_size(rows: Rows, volume: Array, asked: Array) -> Iterator[Diagnostic]:
-    """Flow that is much more or less than the bead's size asks for."""
+    """Flow that is much more or less than the bead's size asks for: each for itself, or one would hide the other."""
     rated = _laying(rows["laid_length"])
     rated = rated[(rows["laid_length"][rated] > NO_WAY) & (asked[rated] > 0.0)]
-    off = rated[np.abs(volume[rated] - asked[rated]) > OFF * asked[rated]]
-    if not len(off):
-        return
-    share, way = float(asked[off].sum()), float(rows["laid_length"][off].sum())
-    if share < _WORTH * float(asked.sum()):
-        return
-    flow, wanted = float(volume[off].sum()) / way / (MM * MM), share / way / (MM * MM)
-    less = "less" if flow < wanted else "more"
-    message = f"flow and speed give a section of {flow:.3g} mm²; beads of the size named ask for {wanted:.3g} mm²"
-    message += f", {abs(flow / wanted - 1.0):.0%} {less} flows"
-    hint = "check E, `filament_diameter`, `bead_width` and `bead_height`"
-    yield rows.told(off, "GS524", message, hint, (flow, wanted, "mm²"))
+    for miss, sense in ((asked[rated] - volume[rated], "less"), (volume[rated] - asked[rated], "more")):
+        off = rated[miss > OFF * asked[rated]]
+        share, way = float(asked[off].sum()), float(rows["laid_length"][off].sum())
+        if not len(off) or share < _WORTH * float(asked.sum()):
+            continue
+        flow, wanted = float(volume[off].sum()) / way / (MM * MM), share / way / (MM * MM)
+        message = f"flow and speed give a section of {flow:.3g} mm²; beads of the size named ask for {wanted:.3g} mm²"
+        message += f", {abs(flow / wanted - 1.0):.0%} {sense} flows"
+        hint = "check E, `filament_diameter`, `bead_width` and `bead_height`"
+        yield rows.told(off, "GS524", message, hint, (flow, wanted, "mm²"))
 
 
 def paste_findings(rows: Rows) -> Iterator[Diagnostic]:

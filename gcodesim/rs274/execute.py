@@ -211,7 +211,8 @@ def execute_move(words: Words, control: Control) -> None:
 
 def _check_machine_coordinates(words: Words, control: Control, motion: int) -> None:
     if motion not in (0, 10):
-        raise Fault("GS109", "G53 works with G0 and G1 only", at="g53", hint="name G0 or G1 in the block")
+        hint = "name G0 or G1 in the block; alone, as posts for Mach3 write it, it would do nothing: leave it out"
+        raise Fault("GS109", "G53 works with G0 and G1 only", at="g53", hint=hint)
     incremental = words.g.get(3, 910 if control.state.incremental else 900) == 910
     if incremental and not control.dialect.g53_under_g91:
         raise Fault("GS109", "G53 cannot be incremental", at="g53", hint="say G90 before")

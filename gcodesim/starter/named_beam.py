@@ -50,21 +50,26 @@ class NamedBeam:
     def of(program: SourceText) -> NamedBeam | None:
         """By the first comment that names one, or a spindle that is switched though nothing ever moves Z.
 
-        None for a program that changes tools, as a mill's does, unless it calls one only and gives it no speed.
+        None for a program that changes tools, as a mill's does, unless it calls one only and gives it no speed, or a
+        comment names that tool, as `T1: Plasma`: S words may tell a height control something.
         """
         raw = program.raw
         words = _NOTE.sub(b"", raw)
         greatest = max((float(found) for found in _POWER.findall(words)), default=0.0)
         called = {int(found) for found in _TOOL.findall(words)}
-        if _CHANGE.search(words) and (greatest > 0.0 or len(called) != 1):
+        changes = _CHANGE.search(words) is not None
+        if changes and len(called) != 1:
             return None
         number = called.pop() if len(called) == 1 else 1
+        of_tool = re.compile(rb"\bT0*%d\b" % number) if changes and greatest > 0.0 else None
         for note in _NOTE.finditer(raw):
+            if of_tool is not None and of_tool.search(note[0]) is None:
+                continue
             for kind, pattern in _WORDS.items():
                 if pattern.search(note[0]) and not _WELDS.search(note[0]):
                     why = f"line {raw.count(10, 0, note.start()) + 1} names it"
                     return NamedBeam(kind=kind, why=why, greatest=greatest, number=max(number, 1))
-        on = _ON.search(words)
+        on = None if of_tool is not None else _ON.search(words)
         if on is None or greatest == 0.0 or _HEIGHT.search(words):
             return None
         line = words.count(10, 0, on.start()) + 1

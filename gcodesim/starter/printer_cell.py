@@ -47,9 +47,17 @@ _KLIPPER = re.compile(
 )
 _REPRAP = re.compile(
     rb"^[ \t]*M(?:566|98 )|^[ \t]*(?:var|global)[ \t]+[A-Za-z]\w*[ \t]*=|^[ \t]*set[ \t]+(?:var|global)\."
-    rb"|^;[ \t]*gcode_flavor = reprap|^;FLAVOR:RepRap",
+    rb"|^;[ \t]*gcode_flavor = reprapfirmware\b",
     re.MULTILINE,
 )
+_CURAS_REPRAP = re.compile(rb"^;FLAVOR:RepRap", re.MULTILINE)
+_SPRINTER = re.compile(
+    rb"^;[ \t]*gcode_flavor = reprap\b"
+    rb"|^;FLAVOR:RepRap(?=[^\x00]{0,400}?Cura_SteamEngine (?:[012]|1[0-9])\.)",
+    re.MULTILINE,
+)
+"""What slicers called RepRap is Marlin's forerunner Sprinter: Slic3r and its like, whose `reprapfirmware` is the other
+one (`s_keys_map_GCodeFlavor` of PrintConfig.cpp), and Cura before 3 (`EGCodeFlavor::REPRAP` of its settings.h)."""
 _MARLIN = re.compile(rb"^;[ \t]*gcode_flavor = marlin\w*|^;FLAVOR:Marlin", re.MULTILINE)
 _REPRAP_OR_BUDDY = re.compile(rb"^[ \t]*M(?:572|593)\b", re.MULTILINE)  # newer firmware of Marlin's kind has them, too
 _SLICER = re.compile(
@@ -280,6 +288,8 @@ def _dialect_of(raw: bytes) -> tuple[str, str]:
     for name, pattern in (
         ("klipper", _KLIPPER),
         ("reprapfirmware", _REPRAP),
+        ("marlin", _SPRINTER),
+        ("reprapfirmware", _CURAS_REPRAP),
         ("marlin", _MARLIN),
         ("reprapfirmware", _REPRAP_OR_BUDDY),
     ):

@@ -182,6 +182,16 @@ def test_little_flow_is_told():
     assert "ask for 16.1 mm²" in ran.bad[0].message and "85% less" in ran.bad[0].message
 
 
+def test_too_little_and_too_much_are_told_each_for_itself():
+    """Of a print with both the mean is right, and says nothing."""
+    text = "M83\nG28\nG1 X10 Y20 Z3 F6000\nG1 X110 E350 F1200\nG1 Y40 F6000\nG1 X10 E1050 F1200\n"
+    ran = run_texts(text, CELL)
+
+    told = [(f.span.line, f.message) for f in ran.bad if f.code == "GS524"]
+    assert [line for line, _ in told] == [4, 6]
+    assert "less flows" in told[0][1] and "more flows" in told[1][1]
+
+
 def test_what_lies_beside_the_plate_is_blamed_on_the_line_that_lays_it():
     ran = run_texts(f"M83\nG28\nG1 X10 Y30 Z3 F6000\nG1 X310 E{bead_e(300.0):.4f} F1200\n", CELL)
 

@@ -106,6 +106,12 @@ M05
 G00 Z10.0
 M30
 """
+# S words here tell a height control its settings; the comment beside the change says what T1 is
+HEIGHT_CONTROL = (
+    SHEETCAM.replace("G21 G90 G40\n", "G21\nG90 G91.1 G40\nF1\nS500\n")
+    .replace("(Process: Outside Offset, 0, T1: 45A Hypertherm, 1.5mm kerf)", "(Operation: Outside Offset, T1: Plasma)")
+    .replace("M06 T3  (45A Hypertherm, 1.5mm kerf)", "M06 T1 F1500.0  (Plasma)")
+)
 
 
 @pytest.mark.parametrize(
@@ -118,8 +124,9 @@ M30
         (RASTER, "laser", "grbl", 7.2),  # 40 mm at 750 of 1000 and 1000 mm/min: 18.06 J, of which 0.8 count, 2 J/mm³
         (PEN_OR_LASER, "laser", "linuxcnc", 7.9),  # 20 mm at 600 mm/min: 20 J
         (SHEETCAM, "plasma", "linuxcnc", 0.9 * 1.5 * 3.0 * (5.0 + math.pi * 30.0)),
+        (HEIGHT_CONTROL, "plasma", "linuxcnc", 0.9 * 1.5 * 3.0 * (5.0 + math.pi * 30.0)),
     ],
-    ids=["inkscape", "lightburn", "plasma", "jet", "raster", "no comment", "sheetcam"],
+    ids=["inkscape", "lightburn", "plasma", "jet", "raster", "no comment", "sheetcam", "height control"],
 )
 def test_a_beam_takes_what_it_goes_over(text: str, kind: str, dialect: str, least: float) -> None:
     """Torch and jet go through the sheet of 3 mm: kerf times length; `least` in mm³."""

@@ -201,6 +201,11 @@ def test_sizes_of_kisslicer_and_icesl():
         ("M572 S0.036\n; gcode_flavor = reprapfirmware\n", "reprapfirmware"),
         ("M566 X600\n; gcode_flavor = marlin\n", "reprapfirmware"),
         ("SET_VELOCITY_LIMIT ACCEL=3000\n; gcode_flavor = marlin\n", "klipper"),
+        ("M566 X600\n; gcode_flavor = reprap\n", "reprapfirmware"),
+        ("; gcode_flavor = reprap\n", "marlin"),  # Sprinter, as Slic3r calls it
+        (";FLAVOR:RepRap\n;TIME:3485\n;Generated with Cura_SteamEngine 2.3.1\n", "marlin"),
+        (";FLAVOR:RepRap\n;TIME:3485\n;Generated with Cura_SteamEngine 15.04\n", "marlin"),
+        (";FLAVOR:RepRap\n;TIME:3485\n;Generated with Cura_SteamEngine 4.13.1\n", "reprapfirmware"),
     ],
 )
 def test_a_word_of_two_firmwares_is_of_the_one_that_the_slicer_wrote_for(words, dialect):
