@@ -22,11 +22,11 @@ _CENTRES: Final = "IJK"
 _PLANES: Final = ("G19", "G18", "G17")
 _UPRIGHT: Final = 1.0 - 1e-9
 _DIGITS: Final = 6  # of mm and degrees
-_DIGITS_OF: Final = {"fanuc": 3, "fanuc_lathe": 3}  # the increments of the control
+_DIGITS_OF: Final = {"fanuc": 3, "fanuc_lathe": 3, "fanuc_lathe_b": 3}  # the increments of the control
 _FEED_DIGITS: Final = 9
 PRINTERS: Final = ("marlin", "klipper", "reprapfirmware")
 """Dialects of printers: one code a line, filament, no tool lengths."""
-_WITH_POINT: Final = ("fanuc", "fanuc_lathe")  # a number without a point counts increments there
+_WITH_POINT: Final = ("fanuc", "fanuc_lathe", "fanuc_lathe_b")  # a number without a point counts increments there
 _WITH_TURNS: Final = ("linuxcnc", "rs274")
 _WITH_MODES: Final = ("linuxcnc", "rs274")
 _FEEDS: Final = {"m/s": "G94", "rad/s": "G94", "m/rev": "G95", "rad/rev": "G95"}
@@ -274,7 +274,7 @@ class GcodeWriter:
             return
         turn = "M3" if event.direction == "cw" else "M4"
         if event.unit == "m/s":
-            if self.dialect not in ("linuxcnc", "fanuc", "fanuc_lathe"):
+            if self.dialect not in ("linuxcnc", "fanuc", "fanuc_lathe", "fanuc_lathe_b"):
                 raise CannotSayError("G96, a cutting speed")
             cap = "" if event.max_speed is None else f"{self._number(event.max_speed / RPM)}"
             if self.dialect == "linuxcnc":

@@ -20,7 +20,11 @@ _BESIDE: Final = re.compile(r"\bG\s*0*4[12](?![\d.])|(?<=[\d.\s])G\s*0*4[12](?![
 _COMMENT: Final = re.compile(r"\([^)]*\)|;.*$")
 _LENGTH, _APART = 0.1, 1e-4  # [m] of tools that nobody knows, and how they differ
 _CLOSE: Final = 1e-9  # [m, rad] that the last digit of a word may make
-_CLOSE_OF: Final = {"fanuc": 7.5e-7, "fanuc_lathe": 7.5e-7}  # half an increment in each of two directions, and more
+_CLOSE_OF: Final = {
+    "fanuc": 7.5e-7,
+    "fanuc_lathe": 7.5e-7,
+    "fanuc_lathe_b": 7.5e-7,
+}  # half an increment in each of two directions, and more
 _OF_TIME: Final = 700.0  # [s/m] a dwell has as many digits in s as a way in mm
 _NEAR: Final = 1e-6  # share of a feed or speed
 _SILENT: Final = (

@@ -7,14 +7,14 @@ or spindle change; it is reported once, at its first row, with the worst number 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from gcodesim.diagnostics import Diagnostic, Span
+from gcodesim.diagnostics import Diagnostic
 from gcodesim.diagnostics.events import Flags, runs
+from gcodesim.processes.repeated import folded
 from gcodesim.processes.rows import Rows
 from gcodesim.tools.cutter import Cutter
 from gcodesim.units import MM, MM3, UM
@@ -55,7 +55,7 @@ def cutter_findings(rows: Rows) -> list[Diagnostic]:
             found += _spindle(rows, code, taken)
     if rows["sideways_cut"].any():
         found += _sideways(rows)
-    return [*_folded(found), *_blind(rows)]
+    return [*folded(found), *_blind(rows)]
 
 
 def _but(column: Array, never: Flags) -> Array:
@@ -84,16 +84,6 @@ def _never_turns(rows: Rows) -> Flags:
     return found
 
 
-def _folded(found: list[Diagnostic]) -> list[Diagnostic]:
-    """Events of one kind in one place, as in a loop, are reported once with a count and the numbers of the first."""
-    first: dict[tuple[str, Span], Diagnostic] = {}
-    for finding in found:
-        key = (finding.code, finding.span)
-        known = first.get(key)
-        first[key] = finding if known is None else replace(known, count=known.count + finding.count)
-    return list(first.values())
-
-
 def _blind(rows: Rows) -> list[Diagnostic]:
     """GS407: cuts while a rotary axis of unknown place turns, one for each stretch of such rows."""
     found = []
@@ -107,7 +97,7 @@ def _blind(rows: Rows) -> list[Diagnostic]:
             )
             hint = f"give axis {letter} of the machine its `at: [x, y, z]`, a point on the axis"
             found.append(rows.told(event, "GS407", message, hint, (taken, 0.0, "mm^3")))
-    return _folded(found)
+    return folded(found)
 
 
 def _rapids(rows: Rows, cut: Array, bound: Array) -> Iterator[Diagnostic]:

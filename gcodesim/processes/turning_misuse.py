@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from gcodesim.diagnostics import Diagnostic
 from gcodesim.diagnostics.events import runs
+from gcodesim.processes.repeated import folded
 from gcodesim.processes.rows import Rows
 from gcodesim.units import MM, MM3
 
@@ -24,8 +25,15 @@ _RUBS: Final = 2.0e-6
 """How deep [m] a shank may be in material, or a tool in chuck or tailstock, without being told: they touch."""
 
 
-def turning_findings(rows: Rows) -> Iterator[Diagnostic]:
-    """GS401, GS431 to GS434 and GS501, from the columns that `Turning` writes; each once for each event."""
+def turning_findings(rows: Rows) -> list[Diagnostic]:
+    """GS401, GS431 to GS434 and GS501, from the columns that `Turning` writes, once for each kind and place.
+
+    A block of a cycle makes many passes.
+    """
+    return folded(_events(rows))
+
+
+def _events(rows: Rows) -> Iterator[Diagnostic]:
     for event in rows.events(rows["lathe_rapid"] > _GRAZED):
         taken = float(rows["lathe_rapid"][event].sum()) / MM3
         message = f"rapid move of {_name(rows, event)} takes {taken:.1f} mm³ of stock away"

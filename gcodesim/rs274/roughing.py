@@ -53,8 +53,10 @@ def chords(start: Point, moves: Sequence[ContourMove]) -> list[Point]:
 def passes(contour: Sequence[Point], start: Point, depth: float, escape: float, *, pockets: bool) -> list[Step]:
     """The cuts of `depth` above a contour from `start`, each ended by an escape of 45 degrees and a way back.
 
-    Without `pockets` each pass ends where it first meets the contour. The contour lies below `start`.
+    Without `pockets` each pass ends where it first meets the contour. The contour lies below `start`. It goes ahead to
+    its farthest point along `a`; what comes after that, as a last block back to before the face, is a way out.
     """
+    contour = _to_the_farthest(contour)
     ahead = 1.0 if contour[-1][0] >= contour[0][0] else -1.0
     lowest = min(b for _, b in contour)
     found: list[Step] = []
@@ -76,6 +78,14 @@ def passes(contour: Sequence[Point], start: Point, depth: float, escape: float, 
                 (True, begin, level + escape),
             ]
     return found
+
+
+def _to_the_farthest(contour: Sequence[Point]) -> Sequence[Point]:
+    """The contour up to the last of its points that is farthest along `a` from the first."""
+    begin = contour[0][0]
+    farthest = max(abs(a - begin) for a, _ in contour)
+    last = max(k for k, (a, _) in enumerate(contour) if abs(a - begin) >= farthest - _CLOSE)
+    return contour[: last + 1] if farthest > _CLOSE else contour
 
 
 def _free(contour: Sequence[Point], level: float, begin: float, ahead: float) -> list[Point]:

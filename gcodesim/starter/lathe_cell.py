@@ -15,6 +15,7 @@ from gcodesim.frozen import frozen
 from gcodesim.kinematics.models import MODELS
 from gcodesim.rs274 import Settings, ToolEntry, ToolTable, interpret
 from gcodesim.rs274.dialects import DIALECTS
+from gcodesim.rs274.fanuc.lathe_system_b import is_in_system_b
 from gcodesim.rs274.other_machines import lathe_of
 from gcodesim.units import INCH, MM, RPM
 
@@ -53,7 +54,7 @@ class _Use:
     """What a tool does; lengths [m], radii. `comment` stands at its first call, or in a list of tools, in `line`.
 
     `inward` is how many times it left a cut along Z towards the axis, less those away from it; `innermost` the least
-    radius at which it was below Z0.
+    radius at which it was below Z0; `passed` the least to which a rapid took it below Z0 before the program cuts.
     """
 
     line: int = 0
@@ -66,6 +67,7 @@ class _Use:
 
     inward: int = 0
     innermost: float = math.inf
+    passed: float = math.inf
 
     @property
     def kind(self) -> str:
@@ -111,7 +113,7 @@ class LatheCell:
             program=program.name,
             dialect=dialect,
             why=why,
-            counts_from_home=dialect == "fanuc_lathe" or _OF_MACHINE.search(program.text) is not None,
+            counts_from_home=dialect.startswith("fanuc_lathe") or _OF_MACHINE.search(program.text) is not None,
             failed=error,
             uses=uses,
             fastest=fastest,
@@ -126,10 +128,14 @@ class LatheCell:
 
     @property
     def _radius(self) -> float:
-        """Of the bar: as thick as what is turned along Z below the face, and a little more."""
+        """Of the bar: a little thicker than what is turned along Z below the face, thinner than where rapids go."""
         turned = [max(a, b) for a, z, b, w in self._feeds if z != w and min(z, w) < 0.0]
         feeds = [max(a, b) for a, _, b, _ in self._feeds]
-        return math.ceil(2.0 * max(turned or feeds) / MM) * 0.5 * MM + 0.5 * _BESIDE
+        thick = math.ceil(2.0 * max(turned or feeds) / MM) * 0.5 * MM + 0.5 * _BESIDE
+        outside = (use.passed for use in self.uses.values() if use.kind not in ("boring_tool", "drill"))
+        passed = min(outside, default=math.inf)
+        thin = math.floor(2.0 * passed / MM) * 0.5 * MM if math.isfinite(passed) else math.inf
+        return min(thick, thin) if thin > 0.0 else thick
 
     @property
     def _bore(self) -> float:
@@ -237,14 +243,15 @@ def _dialect_of(program: SourceText) -> tuple[str, str] | None:
     for name, dialect in (("fanuc", "fanuc_lathe"), ("linuxcnc", "linuxcnc")):
         found = lathe_of(program, DIALECTS[name].lathe)
         if found is not None:
-            return dialect, f"`{found.word}` in line {found.line}"
+            own = f"{dialect}_b" if name == "fanuc" and is_in_system_b(program) else dialect
+            return own, f"`{found.word}` in line {found.line}"
     return None
 
 
 def _uses(events: Iterator[canon.Event], program: SourceText) -> tuple[dict[int, _Use], float, int]:
     """What each tool does, the fastest that the spindle is asked for [rad/s], and the tool where none is called."""
     uses: dict[int, _Use] = {}
-    number, fastest, faced = 0, 0.0, False
+    number, fastest, faced, fed = 0, 0.0, False, False
     at: tuple[float, float] | None = None
     before: tuple[float, float] | None = None
     for event in events:
@@ -262,6 +269,9 @@ def _uses(events: Iterator[canon.Event], program: SourceText) -> tuple[dict[int,
                 passes = use.feeds if getattr(event, "pitch", None) is None else use.threads
                 passes.append((at[0], at[1], *here))
                 faced = faced or (at[1] == here[1] and min(at[0], here[0]) < _AXIS)
+                fed = True
+            elif number in uses and not fed and here[1] < 0.0:
+                uses[number].passed = min(uses[number].passed, here[0])
             if at is not None and isinstance(event, canon.Rapid) and at[1] == here[1] and here[0] < at[0] and not faced:
                 uses.setdefault(number, _Use()).entries.append(here)
             if at is not None and number in uses:

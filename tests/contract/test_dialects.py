@@ -12,13 +12,13 @@ from gcodesim.diagnostics import SourceText
 from gcodesim.rs274 import Settings, interpret
 from gcodesim.rs274.dialects import DIALECTS, g_name
 
-TURNS = "fanuc_lathe"
+TURNS = ("fanuc_lathe", "fanuc_lathe_b")
 """X is a diameter, G90 a cycle: see `tests/physics/test_run_turning.py`."""
 
 CORE = b"N1 G21 G17 G90 G94\nG0 X1 Y2 Z3\nG1 Z-1 F100\nG2 X11 Y2 I5 J0\nG91 G1 X-1\nG90\nS500 M3\nM5\nM2\n"
 
 
-@pytest.mark.parametrize("name", [name for name in DIALECTS if not DIALECTS[name].prints and name != TURNS])
+@pytest.mark.parametrize("name", [name for name in DIALECTS if not DIALECTS[name].prints and name not in TURNS])
 def test_the_core_means_the_same_everywhere(name):
     run = interpret(SourceText("p.nc", CORE), Settings(dialect=name))
     reference = interpret(SourceText("p.nc", CORE), Settings())
@@ -48,7 +48,7 @@ def test_extensions_are_errors_in_plain_rs274(text):
 
 
 PRINTERS = dict.fromkeys(("klipper", "marlin", "reprapfirmware"), "marlin/")
-OF_ONE_CONTROL = {"fanuc": "fanuc/", "fanuc_lathe": "fanuc/", "grbl": "grbl.py", **PRINTERS}
+OF_ONE_CONTROL = {"fanuc": "fanuc/", "fanuc_lathe": "fanuc/", "fanuc_lathe_b": "fanuc/", "grbl": "grbl.py", **PRINTERS}
 """Dialects whose blocks mean something else than in RS274, and where in `rs274` that lives."""
 
 

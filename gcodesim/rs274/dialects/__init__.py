@@ -9,6 +9,7 @@ DIALECTS = Family(
     called="name",
     fanuc="gcodesim.rs274.dialects.fanuc:FANUC",
     fanuc_lathe="gcodesim.rs274.dialects.fanuc_lathe:FANUC_LATHE",
+    fanuc_lathe_b="gcodesim.rs274.dialects.fanuc_lathe:FANUC_LATHE_B",
     grbl="gcodesim.rs274.dialects.grbl:GRBL",
     klipper="gcodesim.rs274.dialects.marlin:KLIPPER",
     linuxcnc="gcodesim.rs274.dialects.linuxcnc:LINUXCNC",

@@ -167,13 +167,14 @@ _SKIPPED = (
 _LATHE = Lathe(
     words=re.compile(
         rb"(?<![A-Z])(G(?:50[ \t]*S|7[0-3][ \t]*[PQUW]|28[ \t]*[UW]|76[ \t]*P[ \t]*[0-9]{5,6}(?![0-9.]))"
+        rb"|G(?:92[ \t]*S|7[789][ \t]*[XZ]|33(?![0-9.])(?![^\r\n]*K)(?=[^\r\n]*F))"
         rb"|T(0[1-9])\2(?![0-9.]))"
     ),
     changes_by_m6=False,
     refused=True,
     code="GS016",
     message="this is a program for a lathe (`{word}`, and never Y): the Fanuc dialect here is that of milling",
-    hint="`--dialect fanuc_lathe` reads it: X is a diameter there, T0101 a tool with its offset, G98 and G99 are feeds",
+    hint="`--dialect fanuc_lathe` reads it, `fanuc_lathe_b` code system B: X is a diameter there, T0101 a tool",
 )
 
 FANUC = Dialect(

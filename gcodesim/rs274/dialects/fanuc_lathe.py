@@ -1,4 +1,4 @@
-"""Fanuc 0i-TF and its like: lathes with G-code system A; see `gcodesim/rs274/fanuc/lathe.py`."""
+"""Fanuc 0i-TF and its like: lathes with G-code system A or B; see `gcodesim/rs274/fanuc/lathe.py`."""
 
 from __future__ import annotations
 
@@ -14,4 +14,10 @@ FANUC_LATHE = dataclasses.replace(
     further_systems=(),  # those of the milling control
     turret=True,
     unsimulated={code: what for code, what in FANUC.unsimulated.items() if what != "polar coordinate interpolation"},
+)
+
+FANUC_LATHE_B = dataclasses.replace(
+    FANUC_LATHE,
+    name="fanuc_lathe_b",
+    executor="gcodesim.rs274.fanuc.lathe_system_b:FanucLatheSystemBExecutor",
 )

@@ -19,6 +19,7 @@ from gcodesim.rs274.fanuc.halted_lathe import HaltedLathe
 from gcodesim.rs274.fanuc.program import FanucFile
 from gcodesim.rs274.fault import Fault
 from gcodesim.rs274.roughing import ContourMove, Point
+from gcodesim.units import INCH, MM
 
 _CYCLES = frozenset((90.0, 92.0, 94.0))
 _MULTIPLE = frozenset((70.0, 71.0, 72.0, 73.0, 74.0, 75.0, 76.0))
@@ -26,6 +27,7 @@ _MOTIONS = frozenset((0.0, 1.0, 2.0, 3.0, 32.0, 33.0, 34.0))
 _FEED_MODES = {98.0: 94.0, 99.0: 95.0}
 _SPINDLE_MODES = frozenset((96.0, 97.0))
 _ONE_SHOT = frozenset((4.0, 10.0, 65.0, 66.0))
+_INCREMENT = {MM: 1e-3, INCH: 1e-4}  # IS-B
 
 
 class FanucLatheFile(FanucFile):
@@ -46,6 +48,10 @@ class FanucLatheExecutor(FanucExecutor):
     started: bool = False
     face: FacePlane | None = None  # between G12.1 and G13.1
 
+    def in_system_a(self, block: Block) -> Block:
+        """A block as code system A writes it: as it is."""
+        return block
+
     def _own_lanes(self) -> None:
         return None  # its words mean something else
 
@@ -65,6 +71,7 @@ class FanucLatheExecutor(FanucExecutor):
             self.control.state.plane = 180
             self.control.state.feed_mode = 950  # G99, as parameter FPM (3402.4) of the 0i-TF has it when it is new
             self.control.auto_length = False  # T0101 names its offset
+        block = self.in_system_a(block)
         given = [(letter, float(value)) for letter, value in block.words if isinstance(value, (int, float))]
         codes = [value for letter, value in given if letter == "g"]
         switch = next((code for code in codes if code in face_plane.ON | face_plane.OFF), None)
@@ -218,13 +225,15 @@ class FanucLatheExecutor(FanucExecutor):
         if "s" in values:
             self.say(block, index, [("s", values["s"])])
         if code == 70.0:
+            if feed is not None:  # as Haas has it; words F of the contour come after it
+                self.say(block, index, [("f", feed)])
             self._finish_contour(block, index, values)
             return
         is_first = "p" not in values if code < 74.0 else {"x", "z", "u", "w"}.isdisjoint(values)
         if is_first:
-            self.prepared[code] = {**values, **_fine(block, values)}
+            self.prepared[code] = {**values, **self._fine(block, values)}
             return
-        values = values | _fine(block, values)
+        values = values | self._fine(block, values)
         if feed is not None:
             self.say(block, index, [("f", feed)])
         first = self.prepared.get(code, {})
@@ -241,6 +250,17 @@ class FanucLatheExecutor(FanucExecutor):
             lathe_cycles.thread(self, block, index, first, values)
         else:
             lathe_cycles.pecks(self, block, index, code, first, values)
+
+    def _fine(self, block: Block, values: dict[str, float]) -> dict[str, float]:
+        """P, Q and D without a point count in least increments, where they are lengths."""
+        increment = _INCREMENT[self.control.state.unit]
+        found = {}
+        for (letter, value), (first, last) in zip(block.words, block.places, strict=True):
+            if letter in "pqd" and not any(char in block.text[first:last] for char in ".#["):
+                found[f"{letter}_fine"] = increment * float(value)  # type: ignore[arg-type]
+            elif letter in "pqd":
+                found[f"{letter}_fine"] = values[letter]
+        return found
 
     def _lines(self, block: Block, index: int, values: dict[str, float]) -> tuple[int, int]:
         found = []
@@ -277,7 +297,7 @@ class FanucLatheExecutor(FanucExecutor):
             read = self.file.block(line)
             if not read.words:
                 continue
-            read = read if read.plain else self._resolved(read)
+            read = self.in_system_a(read if read.plain else self._resolved(read))
             words = {letter: float(v) for letter, v in read.words if letter not in "gmn"}  # type: ignore[arg-type]
             motion = next((float(v) for g, v in read.words if g == "g" and v in _MOTIONS), motion)
             if {"x", "z", "u", "w"}.isdisjoint(words):
@@ -294,17 +314,6 @@ class FanucLatheExecutor(FanucExecutor):
         if len(moves) < 2:
             raise Fault("GS106", "the contour has fewer than two moves", at="p")
         return moves, last, both
-
-
-def _fine(block: Block, values: dict[str, float]) -> dict[str, float]:
-    """P, Q and D without a point count in thousandths, where they are lengths."""
-    found = {}
-    for (letter, value), (first, last) in zip(block.words, block.places, strict=True):
-        if letter in "pqd" and not any(char in block.text[first:last] for char in ".#["):
-            found[f"{letter}_fine"] = 1e-3 * float(value)  # type: ignore[arg-type]
-        elif letter in "pqd":
-            found[f"{letter}_fine"] = values[letter]
-    return found
 
 
 def _centre(start: Point, end: Point, words: dict[str, float], sense: int) -> Point:

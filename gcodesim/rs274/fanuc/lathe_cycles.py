@@ -10,11 +10,13 @@ from gcodesim.arithmetic.scalars import tan
 from gcodesim.rs274.block import Block
 from gcodesim.rs274.fault import Fault
 from gcodesim.rs274.roughing import ContourMove, Point, chords, passes
+from gcodesim.units import MM
 
 if TYPE_CHECKING:
     from gcodesim.rs274.fanuc.lathe import FanucLatheExecutor
 
 _MOST = 10_000
+_ESCAPE = 0.5 * MM  # of G71 and G72 where the program says none: a parameter on the machine
 
 
 def single(lathe: FanucLatheExecutor, block: Block, index: int, code: float, values: dict[str, float]) -> None:
@@ -105,7 +107,8 @@ def rough(
         z, x = point
         return (x, z) if swap else (z, -x if inside else x)
 
-    for rapid, a, b in passes([turned(p) for p in points], turned(start), depth, first.get("r", 0.5), pockets=pockets):
+    escape = first.get("r", _ESCAPE / lathe.control.state.unit)
+    for rapid, a, b in passes([turned(p) for p in points], turned(start), depth, escape, pockets=pockets):
         z, x = (b, a) if swap else (a, -b if inside else b)
         lathe.move(block, index, rapid, z, x)
     lathe.move(block, index, True, *start)

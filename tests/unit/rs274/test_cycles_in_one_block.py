@@ -95,3 +95,42 @@ def test_a_contour_that_ends_the_program_is_refused(program) -> None:
     done = program("%\nO1\nG21\nG70 P10 Q20\nN10 G0 X5.\nM30\nN20 X4.\nM30\n%\n", dialect="fanuc_lathe")
 
     assert [finding.code for finding in done.findings if finding.level >= Severity.ERROR] == ["GS106"]
+
+
+def test_a_last_block_back_to_before_the_face_changes_no_pass(program) -> None:
+    """`N20 G00 G40 Z1.`, as people write it behind the contour: out and back, no work there."""
+    _, plain = _moves(program, "G71 P10 Q20 U0.4 W0.1 D2. F0.2", CONTOUR)
+    behind = CONTOUR.replace("N20 G01 X32.", "G01 X32.\nN20 G00 Z1.")
+    done, moves = _moves(program, "G71 P10 Q20 U0.4 W0.1 D2. F0.2", behind)
+
+    assert done.findings == []
+    assert [m for m in moves if m not in plain] == [("rapid", [16.2, 0, 1.1, 0, 0, 0])]
+    assert [m for m in moves if m in plain] == plain
+
+
+def test_increments_and_the_escape_are_those_of_the_unit(program) -> None:
+    """P400 of an inch program is 0.04 inch; a roughing pass that no R is said for backs off by half a millimetre."""
+    head = "O0001\nG20 G18 G40 G99\nT0101\nG97 S500 M3\nG00 X1.2 Z0.2\n"
+    thread = "G76 P010060 Q0 R0.\nG76 X1. Z-1. P400 Q200 F0.1\nM30"
+    done = program(head + thread, dialect="fanuc_lathe")
+    bottoms = [e["end"][0] for e in done.events if e.get("pitch")]
+    assert bottoms[0] == pytest.approx(25.4 * (0.54 - 0.02), abs=3e-3)
+    assert bottoms[-1] == pytest.approx(12.7)
+
+    rough = "G71 P10 Q20 D0.05 F0.01\nN10 G00 X0.8\nG01 Z-1.\nN20 X1.2\nM30"
+    done = program(head + rough, dialect="fanuc_lathe")
+    cut = next(k for k, e in enumerate(done.events) if e["kind"] == "line")
+    before, after = done.events[cut]["end"], done.events[cut + 1]["end"]
+    assert after[0] - before[0] == pytest.approx(0.5, abs=2e-3) == pytest.approx(after[2] - before[2], abs=2e-3)
+
+
+def test_a_finish_has_the_feed_of_its_block(program) -> None:
+    """As on a Haas: `G70 P Q F`; what the contour itself says goes before it."""
+    done = program(
+        "O1\nG21 G18 G40 G99\nT0101\nG97 S500 M3\nG00 X34. Z2.\nG70 P10 Q20 F0.07\nGOTO 30\n"
+        "N10 G00 X12. Z1.\nG01 Z-10.\nX20. Z-14. F0.2\nN20 G01 X32.\nN30 M30\n",
+        dialect="fanuc_lathe",
+    )
+
+    assert done.findings == []
+    assert [e["feed"] for e in done.events if e["kind"] == "line"] == pytest.approx([0.07, 0.2, 0.2])

@@ -199,3 +199,29 @@ def test_a_bar_is_hollow_where_a_tool_goes_in_and_nothing_drills() -> None:
         text.replace("T1 M6\n", "T4 M6 (DRILL 16)\nG43 H4\nS1200 M3\nG0 X0 Z3\nG1 Z-24\nG0 Z40\nT1 M6\n")
     )
     assert tools[4] == "drill" and "bore" not in cell.replace("boring", "")
+
+
+def test_code_system_b_is_known_by_its_codes() -> None:
+    tools, text = made(
+        "O1\nG90 G95 G21\nG92 S2500\nT0101\nG96 S180 M3\nG0 X42. Z2.\nG77 X38. Z-20. F0.2\nX34.\nG0 X60. Z60.\n"
+        "T0202\nG97 S800\nG0 X40. Z4.\nG33 Z-18. F1.5\nG0 X60.\nZ60.\nM5\nM30\n"
+    )
+
+    assert "dialect: fanuc_lathe_b" in text and "spindle_speed: 2500 rpm" in text
+    assert tools == {1: "turning_tool", 2: "threading_tool"}
+
+
+def test_a_bar_is_thinner_than_where_rapids_pass_it() -> None:
+    """Parting off alone: the blade goes along the bar at X38, so that this is not as thick as that."""
+    text = (
+        "O1\nG21 G99\nT0101 (CUT OFF)\nG50 S2500\nG97 S800 M3\nG0 X38. Z2.\nZ-50.\nG1 X-1. F0.1\nG0 X60.\nZ60.\nM30\n"
+    )
+
+    assert "cylinder: [38 mm, 80 mm]" in made(text)[1]
+    results, _ = run(
+        prepare(
+            SourceText("p.nc", text.encode()),
+            read_cell(SourceText("cell.yaml", first_cell(SourceText("p.nc", text.encode())).text()), Path("cell.yaml")),
+        )
+    )
+    assert "GS401" not in {f.code for f in results.findings}

@@ -28,5 +28,5 @@ def test_the_same_code_differs_between_controls():
 
 def test_explain_tells_it(capsys):
     assert main(["explain", "g043.0"]) == 0
-    assert "tool length on, offset H (fanuc, fanuc_lathe)" in capsys.readouterr().out
+    assert "tool length on, offset H (fanuc, fanuc_lathe, fanuc_lathe_b)" in capsys.readouterr().out
     assert main(["explain", "G999"]) == 2
