@@ -174,7 +174,10 @@ class FirstCell:
             lines.append("# nothing behind that line is known here: mend it, and make this cell again")
         if self.seen.lathe:
             lines.append("# it is a program for a lathe: paths and times are right, material is not")
-        if whole and self.tools and not (self.seen.changes and self.seen.measured):
+        # an error hides what may come later, and a tool is needed for what is fed before it
+        fed = any(use.sideways or use.down for use in self.seen.uses.values())
+        known = whole or (fed and not self.seen.changes)
+        if known and self.tools and not (self.seen.changes and self.seen.measured):
             number = self.tools[0].scanned.number
             why = "it says G49 and never G43: Z counts as touched off with the tool"
             if not self.seen.changes:

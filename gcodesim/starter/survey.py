@@ -27,7 +27,7 @@ from gcodesim.units import MM
 
 _DIALECTS: Final = ("linuxcnc", "fanuc", "grbl")  # the first of those that understand most is taken
 
-_TRIED: Final = 100_000  # bytes that are read to choose the dialect
+_TRIED: Final = 100_000  # bytes that are read to choose the dialect, unless there is an error behind them
 _LOOPS: Final = 50_000  # blocks after which a text of that size is taken for an endless loop
 _ENDLESS: Final = ("GS134",)
 _UNKNOWN_WORDS: Final = frozenset(("GS001", "GS004", "GS006", "GS007", "GS008", "GS012", "GS013"))
@@ -142,7 +142,15 @@ def _why_no_cell(foreign: Foreign) -> str:
 
 def survey(program: SourceText, startup: SourceText | None = None) -> Survey:
     """Read the program with every tool that it may name, its work systems at machine zero, `startup` in force."""
-    dialect, why, ends = _dialect_of(program)
+    seen = _survey(program, startup, _dialect_of(program, _TRIED))
+    if seen.failed is None or len(program.raw) <= _TRIED:
+        return seen
+    told = _dialect_of(program, len(program.raw))  # what the beginning does not show
+    return seen if told[0] == seen.dialect else _survey(program, startup, told)
+
+
+def _survey(program: SourceText, startup: SourceText | None, told: tuple[str, str, bool]) -> Survey:
+    dialect, why, ends = told
     foreign = foreign_of(program)
     turns = DIALECTS[dialect].lathe
     lathe = lathe_of(program, turns)
@@ -176,15 +184,15 @@ def survey(program: SourceText, startup: SourceText | None = None) -> Survey:
     )
 
 
-def _dialect_of(program: SourceText) -> tuple[str, str, bool]:
-    """The dialect that understands most of the program, why it was chosen, and whether the program comes to an end.
+def _dialect_of(program: SourceText, tried: int) -> tuple[str, str, bool]:
+    """The dialect that understands most of the first `tried` bytes, why it was chosen, and whether they come to an end.
 
     A loop that waits for what a machine does, such as a probe, may have none here.
     """
     said, reason = _told_dialect(program)
     head = program
-    if len(program.raw) > _TRIED:
-        head = SourceText(program.name, program.raw[: program.raw.rfind(b"\n", 0, _TRIED) + 1])
+    if len(program.raw) > tried:
+        head = SourceText(program.name, program.raw[: program.raw.rfind(b"\n", 0, tried) + 1])
     # kinds of faults, as one that comes in every line says no more than once; words that a control does not know first
     faults: dict[str, tuple[int, int]] = {}
     endless = set()

@@ -60,6 +60,7 @@ if TYPE_CHECKING:
     from gcodesim.rs274.fanuc.control import FanucControl
 
 _TANGENT: Final = 1e-6  # [rad] flatter corners are none
+_MEETS_WITHIN: Final = 2.0  # radii times the angle of a flat inside corner: its tangents meet after half of that
 _REVERSED: Final = 1e-3  # [rad] from a full reversal, on either side: counts as outside
 _SIDES: Final = {410: 1, 420: -1}
 
@@ -216,11 +217,14 @@ def _inside(control: Control, to: NextMove, turn: float) -> Point | None:
     if isinstance(to.path, Line) and (not waiting or waiting[0].kind != "arc"):
         return _where_tangents_meet(to.op, state.comp_normal, to.normal, state.comp_radius)
     try:
-        return intersection(control, to)
+        point = intersection(control, to)
     except Fault:
         if turn < -STRAIGHT_ON:
             raise
-        return None  # arcs that all but touch need not meet after rounding
+        return None  # arcs that all but touch need not meet after rounding, or meet far from where they touch
+    flat = turn >= -STRAIGHT_ON
+    far = flat and apart(point, to.offset_start) > _MEETS_WITHIN * state.comp_radius * -turn
+    return None if far else point
 
 
 def _where_tangents_meet(op: Point, before: Point, after: Point, radius: float) -> Point:

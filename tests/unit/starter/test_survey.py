@@ -362,3 +362,22 @@ def test_a_mill_of_a_printers_firmware_cuts_in_its_first_cell(tmp_path: Path) ->
 
     assert (status, worse) == ("ok", set())
     assert 0.4 * 30 * 6 < removed["stock"] < 30 * 6 + 60
+
+
+def test_an_error_far_behind_asks_the_other_dialects_as_well() -> None:
+    """K0 in an arc of XY, which LinuxCNC refuses and grbl does not, stands behind what is read to choose a dialect."""
+    lines = "".join(f"G1 X{number % 97} Y{number % 89}\n" for number in range(12_000))
+    text = f"G21 G17 G90\n( M6 T2 )\nM3 S10000\nG0 Z5\nG1 Z-1 F200\n{lines}X26 Y0\nG2 X20 Y0 I-3 J0 K0\nG0 Z5\nM5\nM2\n"
+
+    assert len(text) > 100_000
+    seen = survey(source(text.replace("K0", "")))
+    assert (seen.dialect, seen.failed) == ("linuxcnc", None)
+    seen = survey(source(text))
+    assert (seen.dialect, seen.failed) == ("grbl", None)
+
+
+def test_before_an_error_a_tool_is_there_that_nothing_changes() -> None:
+    text = "G21 G90\n( M6 T2 )\n(T2 3mm Endmill)\nM3 S9000\nG0 Z5\nG1 Z-1 F200\nX20\nG1 X30 Q\nX40\nM2\n"
+
+    assert b"loaded_tool: 2 " in cell_for(source(text))
+    assert b"loaded_tool" not in cell_for(source(text.replace("( M6 T2 )", "T2 M6")))
