@@ -32,25 +32,25 @@ class RowTotals:
 
     sheet: Sheet
     columns: dict[str, Array]
+    _room: dict[str, Array]  # of each column, with rows to spare: a session adds one with each of its steps
+    _added: tuple[Column, ...]  # what someone asks for by rows: what only the log shows costs nothing here
 
     @staticmethod
     def zeros(count: int, sheet: Sheet) -> RowTotals:
-        return RowTotals(sheet, {column.name: np.zeros(count) for column in sheet.columns})
+        columns = {column.name: np.zeros(count) for column in sheet.columns}
+        own = sheet.shown_in(LINES | RESULTS | FINDINGS)
+        return RowTotals(sheet, columns, dict(columns), tuple(dict.fromkeys((*HOUSE, *own))))
 
     def __getitem__(self, column: str) -> Array:
         """A column (n,)."""
         return self.columns[column]
 
-    @property
-    def _added(self) -> tuple[Column, ...]:
-        """The columns that someone asks for by rows: what only the log shows costs nothing here."""
-        own = self.sheet.shown_in(LINES | RESULTS | FINDINGS)
-        return tuple(dict.fromkeys((*HOUSE, *own)))
-
     def grow(self, count: int) -> None:
         """Further rows, up to `count` in all."""
         for name, values in self.columns.items():
-            self.columns[name] = np.append(values, np.zeros(count - len(values)))
+            if count > len(self._room[name]):
+                self._room[name] = np.concatenate([values, np.zeros(2 * count - len(values))])
+            self.columns[name] = self._room[name][:count]
 
     def add(self, record: StepRecord) -> None:
         """Add the steps of a record, in order."""

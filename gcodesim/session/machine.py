@@ -23,7 +23,7 @@ from gcodesim.session.misuse import MisuseError
 from gcodesim.session.run_thread import SessionLegs
 from gcodesim.session.servo_kernels import JointBounds, approach
 from gcodesim.session.switches import Switches
-from gcodesim.session.table_plan import Stretched, merged, plan_of
+from gcodesim.session.table_plan import LegForm, Stretched, merged, plan_of
 
 if TYPE_CHECKING:
     from gcodesim.diagnostics import Diagnostic
@@ -64,6 +64,7 @@ class MovedMachine:
         self._hit: set[tuple[str, tuple[str, ...]]] = set()  # codes and bodies that were told
         self._bounds = _bounds(self.shop)
         self._posing = posing_of(self.shop)
+        self._form: LegForm | None = None
         assert isinstance(job.legs, SessionLegs)
         self._checks = job.legs.checks
         job.seen = self._see
@@ -172,7 +173,10 @@ class MovedMachine:
         return self._plan_of(stretches)
 
     def _plan_of(self, stretches: Sequence[Stretched]) -> Plan:
-        return plan_of(stretches, self.shop, self._posing, self._dt, standing_of(self.shop.cell, self.shop.channel))
+        standing = standing_of(self.shop.cell, self.shop.channel)
+        plan = plan_of(stretches, self.shop, self._posing, self._dt, standing, self._form)
+        self._form = self._form or LegForm.of(stretches, plan)
+        return plan
 
     def leg_along(self, path: ToolPath, given_in: PathFrame, active: bool | None, borne: BorneWork | None) -> Plan:
         """The plan of moves in a frame, as of a program, from where the machine stands, with the tool in hand.
