@@ -25,6 +25,7 @@ from gcodesim.processes.rows import Rows
 from gcodesim.processes.signal import SPINDLE
 from gcodesim.processes.tool_bending import FLUTED, MODULI, BeamSection, tip_compliance, tip_way_of_moment
 from gcodesim.tools.cutter import Cutter
+from gcodesim.tools.drill import Drill
 from gcodesim.units import DEG, MINUTE, MM
 
 if TYPE_CHECKING:
@@ -61,6 +62,11 @@ def sections_of(cutter: Cutter) -> list[BeamSection]:
     return parts
 
 
+def gives_way(cutter: Cutter) -> bool:
+    """Whether a tool says how it bends, and can: the walls of its hole hold a drill by its margins."""
+    return cutter.substrate is not None and not isinstance(cutter, Drill)
+
+
 def tool_compliance(cutter: Cutter, axis: Array) -> Array:
     """Way of the tip (n, 3, 6) under a wrench at the tip, for tool axes (n, 3); the tool says its `substrate`."""
     assert cutter.substrate is not None
@@ -88,7 +94,7 @@ class CutterLoad:
 
         chip, peak = out[:, m.OUT_CHIP], out[:, m.PEAK]
         bend = np.zeros(len(out))
-        if self._cutter.substrate is not None:
+        if gives_way(self._cutter):
             bend = norms(applied(tool_compliance(self._cutter, window.axis), out[:, m.WRENCH : m.WRENCH + 6]))
         depth = out[:, m.OUT_DEPTH]
         stable = self._stable_depths(out[:, m.OUT_ENTRY], out[:, m.OUT_EXIT], depth, chip, window)

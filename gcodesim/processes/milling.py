@@ -18,7 +18,7 @@ from gcodesim.arithmetic.elementary import cos_sin, tan
 from gcodesim.arithmetic.matrices import dots
 from gcodesim.frozen import frozen
 from gcodesim.processes.column import ENGAGED, FINDINGS, FORCE, LOG, POWER, REMOVED, RESULTS, TORQUE, Column, Shown
-from gcodesim.processes.cutter_load import LOAD_COLUMNS, CutterLoad, load_findings, tool_compliance
+from gcodesim.processes.cutter_load import LOAD_COLUMNS, CutterLoad, gives_way, load_findings, tool_compliance
 from gcodesim.processes.drill_point import edge_law, edge_pieces
 from gcodesim.processes.laws import Law
 from gcodesim.processes.leaning import Leaning, cut_in_three, cut_leaning, felt_in, part_of
@@ -154,9 +154,14 @@ class Milling(Process):
         return Zone(radius=widest, above=self.cutter.true_length)
 
     @property
+    def bends(self) -> bool:
+        """Whether the tool gives way under its cut."""
+        return gives_way(self.cutter)
+
+    @property
     def by_path(self) -> bool:
         """A tool that bends remembers where it was."""
-        return self.cutter.substrate is None
+        return not self.bends
 
     @property
     def shaping(self) -> Process:
@@ -190,7 +195,7 @@ class Milling(Process):
     def _motion_of(self, window: Window, turns: Turns, cell: float) -> Motion:
         """The motion as the kernel takes it; a tool that bends gives way besides the machine."""
         motion = packed_motion(window, turns, cell)
-        if self.cutter.substrate is None:
+        if not self.bends:
             return motion
         bends = tool_compliance(self.cutter, motion.axis)
         own = motion.compliance

@@ -36,6 +36,10 @@ class MillingLoop:
         self._process, self._stock, self._window, self._state = process, stock, window, state
         self._turns = Turns.of(window)
         self._motion = process._motion_of(window, self._turns, stock.cell)
+        self._bend: Array | None = None  # (p, 3, 6) of a tool that bends in a machine that answers for itself
+        if window.compliance is None and len(self._motion.compliance):
+            self._bend = self._motion.compliance
+            self._motion = self._motion._replace(compliance=self._motion.compliance[:0])
         self._leaning = Leaning.of(window, self._turns)
         self._last = np.append(self._turns.first[1:], len(self._turns.step))
         self._springs = np.zeros((window.steps, 3))
@@ -65,6 +69,9 @@ class MillingLoop:
         from gcodesim.processes import milling_kernels as m
 
         here, dt = self._parts(k), float(np.broadcast_to(self._window.dt, len(self._last))[k])
+        if self._bend is not None:  # it stands bent by the wrench before, and is straight in the end if none is left
+            moved_before = moved_before + applied(self._bend[here.start], felt_in(self._state.values))
+            response = response + self._bend[here.start]
         step, first = self._moved(here, moved_before, moved - moved_before, share)
         alone = FreeStep(
             motion=step._replace(velocity=step.velocity + (moved - moved_before) / dt),

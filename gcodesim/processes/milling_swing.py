@@ -26,7 +26,7 @@ def swung_steps(process: Milling, stock: Stock, window: Window) -> NDArray[np.bo
     Nor those in stock with columns in three directions.
     """
     tool = process.packed_tool
-    if process.cutter.substrate is not None or len(tool.slabs) or stock.columns_along != 1:
+    if process.bends or len(tool.slabs) or stock.columns_along != 1:
         return np.zeros(window.steps, dtype=bool)
     upright: NDArray[np.bool_] = ~leaning_steps(window)
     return upright
