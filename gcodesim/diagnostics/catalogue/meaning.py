@@ -511,7 +511,7 @@ CODES += (
         severity=Severity.WARNING,
         title="Filament drawn back while a bead should be laid",
         what="E falls while the head moves: on more than a quarter of the moves with filament, or by more than 25 mm,"
-        " which no wipe does.",
+        " which no wipe does; or it falls by more than 1.5 m while the head stands, which no unloading does.",
         why="The control takes E words for places, so an E that begins anew, or counts steps, pulls filament out of"
         " the nozzle where it should push; the print fails at this line.",
         remedy="Write M83 where E words are steps, and G92 E0 where they begin anew.",

@@ -16,6 +16,9 @@ if TYPE_CHECKING:
 LONGEST_WIPE: Final = 25.0 * MM
 """Filament that is drawn back on the way: a wipe retracts as much as a Bowden tube needs, and no more."""
 
+LONGEST_UNLOADING: Final = 1500.0 * MM
+"""Filament that is drawn back while the head stands: the longest tubes of changers are a metre long."""
+
 SHARE: Final = 0.25
 """Of the moves with filament: slicers wipe now and then, never on every fourth move."""
 
@@ -27,19 +30,23 @@ class FallingFilament(Watch):
     """GS178: E falls while the head moves, farther than a wipe, or on too many moves.
 
     Either E begins anew and no G92 says so, or its words are steps and no M83 says so. Retraction alone, and unloading
-    of filament, are moves of E by itself.
+    of filament, are moves of E by itself; none is longer than tubes are.
     """
 
     def __init__(self) -> None:
         self._pushed = self._fallen = 0
         self._run = 0.0  # drawn back on the way since material was laid last [m]
         self._deepest = 0.0
+        self._unloaded = 0.0  # the most at once [m]
+        self._unloads: Span | None = None
         self._first: Span | None = None
         self._place: Span | None = None  # of the deepest
 
     def event(self, event: canon.Event) -> None:
         if isinstance(event, canon.LinearFeed | canon.ArcFeed):
             self._take(event.extrude, event.span)
+        elif isinstance(event, canon.Extrude) and -event.length > max(self._unloaded, LONGEST_UNLOADING):
+            self._unloaded, self._unloads = -event.length, event.span
 
     def moves(self, batch: MoveBatch) -> None:
         if batch.extrude is None:
@@ -85,5 +92,15 @@ class FallingFilament(Watch):
                 hint="say G92 E0 where E begins anew, or M83 if its words are steps",
                 value=self._deepest / MM,
                 limit=LONGEST_WIPE / MM,
+                unit="mm",
+            )
+        elif self._unloads is not None:
+            yield Diagnostic(
+                code="GS178",
+                message=f"E falls by {self._unloaded / MM:.0f} mm at once: so much is drawn back out of the machine",
+                span=self._unloads,
+                hint="say G92 E0 where E begins anew, or M83 if E words are steps; G91 is not about E in all firmware",
+                value=self._unloaded / MM,
+                limit=LONGEST_UNLOADING / MM,
                 unit="mm",
             )

@@ -50,3 +50,20 @@ def test_steps_where_places_are_read(lane: str) -> None:
 
 def test_a_few_moves_say_nothing_of_shares() -> None:
     assert found(row(6, lambda k: 0.1 + 0.2 * (k % 2))) == []
+
+
+@pytest.mark.parametrize("lane", ["grammar", "compiled"])
+def test_an_end_that_counts_from_here_where_e_still_counts_from_zero(lane: str) -> None:
+    """Cura's usual end: G91 makes E relative for Marlin, and not for RepRapFirmware, which unloads two metres."""
+    text = "M82\n" + row(400, lambda k: 5.0 * (k + 1)) + "G91\nG1 E-1 F300\n"
+
+    assert found(text, lane=lane) == []
+
+    run = interpret(
+        SourceText("p.gcode", (HEAD + text).encode()),
+        Settings(dialect="reprapfirmware", tool_table=ToolTable(), lane=lane),
+    )
+    for _ in run:
+        pass
+    (told,) = [finding for finding in run.findings if finding.code == "GS178"]
+    assert told.span.line == 2 + 1 + 400 + 2 and told.message.startswith("E falls by 2001 mm at once")
