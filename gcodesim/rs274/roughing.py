@@ -70,13 +70,16 @@ def passes(contour: Sequence[Point], start: Point, depth: float, escape: float, 
             if begin == start[0]:
                 found.append((True, begin, level))
             else:
-                found += [(True, begin, level + depth + escape), (False, begin, level)]
+                down = min(level + depth + escape, start[1])
+                found += [(True, begin, start[1]), (True, begin, down), (False, begin, level)]
             away = min(escape, 0.5 * abs(end - begin))
             found += [
                 (False, end, level),
                 (True, end - ahead * away, level + escape),
                 (True, begin, level + escape),
             ]
+            if begin != start[0]:  # out of the pocket, from which no straight way leads to the next cut
+                found.append((True, begin, start[1]))
     return found
 
 

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 
+import numpy as np
 import pytest
 
 from gcodesim.diagnostics import Severity
@@ -106,6 +108,21 @@ def test_a_last_block_back_to_before_the_face_changes_no_pass(program) -> None:
     assert done.findings == []
     assert [m for m in moves if m not in plain] == [("rapid", [16.2, 0, 1.1, 0, 0, 0])]
     assert [m for m in moves if m in plain] == plain
+
+
+def test_rapids_between_pockets_stay_above_the_contour(program) -> None:
+    """G71 of type II: the way from one pocket to the next leads round the ridge between them."""
+    contour = [(1.0, 12.0), (0.0, 12.0), (-8.0, 8.0), (-14.0, 14.0), (-20.0, 7.0), (-27.0, 15.0), (-30.0, 17.0)]
+    blocks = "".join(f"G01 X{2 * x} Z{z}\n" for z, x in contour[1:])
+    done, moves = _moves(program, "G71 U2. R0.5\nG71 P10 Q20 F0.2", f"N10 G00 X24. Z1.\n{blocks}N20 X34.\n")
+    z, x = np.array(contour[::-1]).T
+
+    assert done.findings == []
+    for (_, before), (kind, after) in itertools.pairwise(moves):
+        if kind == "rapid":
+            way = np.linspace(before, after, 200)
+            inside = (way[:, 2] < 0.0) & (way[:, 2] > -30.0)
+            assert (way[inside, 0] >= np.interp(way[inside, 2], z, x) - 1e-6).all(), (before, after)
 
 
 def test_increments_and_the_escape_are_those_of_the_unit(program) -> None:
