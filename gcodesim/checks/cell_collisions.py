@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Final
 
@@ -52,11 +52,12 @@ class Running:
     switched: Mapping[str, Sequence[tuple[float, Span]]]
     _standing: dict[float, bool] = field(default_factory=dict)
     _joints: dict[float, Array] = field(default_factory=dict)
+    _rows: dict[float, int] = field(default_factory=dict)
 
     def row(self, time: float) -> int:
-        trajectory = self.plan.trajectory
-        at = min(time + _AFTER, trajectory.duration)
-        return int(trajectory.rows_at(np.array([at]))[0]) if len(self.plan.path) else 0
+        if time not in self._rows:
+            self.look_at([time])
+        return self._rows[time]
 
     def span(self, time: float) -> Span | None:
         path = self.plan.path
@@ -71,6 +72,10 @@ class Running:
     def look_at(self, times: Iterable[float]) -> None:
         """Find out where it is at these times, and whether it stands; many take little longer than one."""
         trajectory, asked = self.plan.trajectory, np.array(sorted(set(times) - self._standing.keys()))
+        rows = np.zeros(len(asked), dtype=np.int64)
+        if len(self.plan.path):
+            rows = trajectory.rows_at(np.minimum(asked + _AFTER, trajectory.duration))
+        self._rows.update(zip(asked.tolist(), rows.tolist(), strict=True))
         joints = self.plan.joints(trajectory.sample(np.minimum(asked, trajectory.duration)))
         self._joints.update(zip(asked.tolist(), joints, strict=True))
         runs = asked[asked < trajectory.duration]
@@ -97,18 +102,41 @@ class CellWords:
     span_of: Callable[[CellBody], Span]
 
     def collisions(self, meetings: Iterable[CellMeeting]) -> list[Diagnostic]:
-        """GS309 to GS311, one for each pair of bodies and line."""
-        return _once([self._collision(meeting) for meeting in self._looked_at(meetings)])
+        """GS309 to GS311, one for each pair of bodies and line, in the order of time.
+
+        What links of one machine do to the same body in one line is one finding with a count; of several parts of one
+        tool it is the first.
+        """
+        found = sorted(meetings, key=lambda meeting: meeting.begin)
+        first: dict[Hashable, CellMeeting] = {}
+        others: dict[Hashable, int] = {}
+        for meeting, key in zip(found, self.keys(found), strict=True):
+            known = first.setdefault(key, meeting)
+            if self._names(known) != self._names(meeting):
+                others[key] = others.get(key, 0) + 1
+        return [replace(self._collision(each), count=1 + others.get(key, 0)) for key, each in first.items()]
 
     def near_misses(self, meetings: Iterable[CellMeeting], clearance: float) -> list[Diagnostic]:
         """GS308."""
-        return _once([self._near_miss(meeting, clearance) for meeting in self._looked_at(meetings)])
-
-    def _looked_at(self, meetings: Iterable[CellMeeting]) -> list[CellMeeting]:
         found = list(meetings)
+        self._look_at(found, [meeting.deepest for meeting in found])
+        return _once([self._near_miss(meeting, clearance) for meeting in found])
+
+    def keys(self, meetings: Sequence[CellMeeting]) -> list[Hashable]:
+        """What a collision is told by: of meetings with the same key the first is told, and how many there are."""
+        self._look_at(meetings, ())
+        return [self._key(meeting) for meeting in meetings]
+
+    def _look_at(self, meetings: Sequence[CellMeeting], times: Iterable[float]) -> None:
+        at = [*(meeting.begin for meeting in meetings), *times]
         for each in self.running:
-            each.look_at([time for meeting in found for time in (meeting.begin, meeting.deepest)])
-        return found
+            each.look_at(at)
+
+    def _key(self, meeting: CellMeeting) -> Hashable:
+        one, other = self._ordered(meeting)
+        _, span = self._blamed(meeting, one, other, meeting.begin)
+        code, _ = _code_of(one, other)
+        return code, span, *(name.partition("/")[0] for name in self._names(meeting))
 
     def overlaps(self, drawn: Iterable[tuple[CellBody, CellBody, float]]) -> Iterator[Diagnostic]:
         """GS930 for things that lie in each other."""
@@ -129,13 +157,7 @@ class CellWords:
 
     def _collision(self, meeting: CellMeeting) -> Diagnostic:
         one, other = self._ordered(meeting)
-        roles = {one.role, other.role}
-        code = PART if roles & PUT else DEVICE if "obstacle" in roles else MACHINES
-        hint = LOOSE_HINT if "loose" in roles else _HINTS[code]
-        if code == MACHINES and "fixture" in roles and one.part and not other.mover:
-            code, hint = body_part(one.part).code, body_part(one.part).hint
-        elif code == MACHINES and other.stand:
-            code, hint = LINK, _HINTS[LINK]
+        code, hint = _code_of(one, other)
         span, where = self._place(meeting, one, other, meeting.begin, f"; {FIRST_TOUCH}")
         depth = -meeting.gap / MM
         return Diagnostic(
@@ -180,6 +202,10 @@ class CellWords:
 
         return (other, one) if rank(other) < rank(one) else (one, other)
 
+    def _names(self, meeting: CellMeeting) -> tuple[str, str]:
+        one, other = self._ordered(meeting)
+        return one.rigid.name, other.rigid.name
+
     def _movers(self, meeting: CellMeeting) -> list[Running]:
         """The programs that move one of both bodies: those that are under way first."""
         names = {meeting.one.mover, meeting.other.mover} | {who.partition(" ")[0] for who in meeting.held.values()}
@@ -190,6 +216,18 @@ class CellWords:
         self, meeting: CellMeeting, one: CellBody, other: CellBody, time: float, before: str = ", with the tip at"
     ) -> tuple[Span, str]:
         """The line that is to blame, and where its tip is then."""
+        who, span = self._blamed(meeting, one, other, time)
+        if who is None:
+            return span, ""
+        beside = "".join(
+            f"; `{each.name}` is in line {other_span.line} of {other_span.file}"
+            for each in self._movers(meeting)[1:]
+            if (other_span := each.span(time)) is not None
+        )
+        return span, f"{before} {who.tip_words(time)}{beside}" if len(who.plan.path) else beside
+
+    def _blamed(self, meeting: CellMeeting, one: CellBody, other: CellBody, time: float) -> tuple[Running | None, Span]:
+        """The program that moves then, with its line; None: the line has switched a device."""
         movers = self._movers(meeting)
         devices = [body.frame for body in (one, other) if body.role == "obstacle"]
         if not movers or movers[0].stands(time):
@@ -201,15 +239,20 @@ class CellWords:
                 if at <= time
             ]
             if words:
-                return max(words, key=lambda word: word[0])[1], ""
+                return None, max(words, key=lambda word: word[0])[1]
         who = movers[0] if movers else self.running[0]
-        span = who.span(time) or self.span_of(one)
-        beside = "".join(
-            f"; `{each.name}` is in line {other_span.line} of {other_span.file}"
-            for each in movers[1:]
-            if (other_span := each.span(time)) is not None
-        )
-        return span, f"{before} {who.tip_words(time)}{beside}" if len(who.plan.path) else beside
+        return who, who.span(time) or self.span_of(one)
+
+
+def _code_of(one: CellBody, other: CellBody) -> tuple[str, str]:
+    """The code of a collision, and what helps."""
+    roles = {one.role, other.role}
+    code = PART if roles & PUT else DEVICE if "obstacle" in roles else MACHINES
+    if code == MACHINES and "fixture" in roles and one.part and not other.mover:
+        return body_part(one.part).code, body_part(one.part).hint
+    if code == MACHINES and other.stand:
+        return LINK, _HINTS[LINK]
+    return code, LOOSE_HINT if "loose" in roles else _HINTS[code]
 
 
 def changes_with_a_part(
@@ -254,10 +297,7 @@ def _words(body: CellBody, held: Mapping[str, str]) -> str:
 
 
 def _once(findings: Iterable[Diagnostic]) -> list[Diagnostic]:
-    """In the order of time; what links of one machine do to the same body in one line is one finding with a count.
-
-    Of several parts of one tool it is the first.
-    """
+    """In the order of time; what links of one machine pass in one line is one finding with a count."""
     first: dict[tuple[object, ...], Diagnostic] = {}
     for found in sorted(findings, key=lambda finding: finding.time or 0.0):
         key = (found.code, found.span, *(name.partition("/")[0] for name in found.bodies))

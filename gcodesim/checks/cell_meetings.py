@@ -6,7 +6,7 @@ what is fixed, and `meetings` looks at the whole way in one search.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
@@ -117,7 +117,9 @@ class CellSearch:
 
     `grippers` are the tools that hold parts, and by how much [m] their contacts give. Bodies whose names are `apart`
     as a pair are not checked against each other. `grain` [m] is how exactly the shapes of loose pieces are known, by
-    their frames.
+    their frames. Who tells of several meetings by the first of them says by `keys` which belong together; how deep
+    bodies come in each other is found out for the first of each key only, and `gap` of the others is that at their
+    beginning.
     """
 
     cell: CellBodies
@@ -129,6 +131,7 @@ class CellSearch:
     dockings: Sequence[Docking] = ()
     apart: frozenset[frozenset[str]] = frozenset()
     grain: Mapping[str, float] = field(default_factory=dict)
+    keys: Callable[[Sequence[CellMeeting]], Sequence[Hashable]] | None = None
     overlaps: list[tuple[CellBody, CellBody, float]] = field(default_factory=list)
     """Lying things that are drawn in each other, and since when [s]: they are not checked against each other."""
 
@@ -249,7 +252,8 @@ class CellSearch:
         last = len(now.way.time) - 2
         for level in distinct(depth[keep]).tolist():
             some = rows[keep & (depth == level)]
-            for meeting in now.search(some, -level if clearance is None else clearance):
+            searched = now.search(some, -level) if clearance is None else now.search(some, clearance, tells_all=True)
+            for meeting in searched:
                 if clearance is not None and meeting.gap < -TOUCH:
                     continue
                 pair = (meeting.first, meeting.second)
@@ -370,12 +374,25 @@ class _Phase:
         mine = np.ascontiguousarray(pairs)
         return MovingBodies(joints, cell.rigid, mine, cell.woods, carrier), len(names)
 
-    def search(self, rows: NDArray[np.intp], level: float) -> list[Meeting]:
-        """When these pairs come below a level [m]."""
+    def search(self, rows: NDArray[np.intp], level: float, *, tells_all: bool = False) -> list[Meeting]:
+        """When these pairs come below a level [m]; see `CellSearch` for those whose gap is not looked for."""
         moving, parts = self._moving(rows)
         way = self.way.way
         none = np.zeros((len(way.q), parts))
-        return moving.search(JointWay(np.hstack([way.q, none]), np.hstack([way.bend, none[1:]])), level=level)
+        whole = JointWay(np.hstack([way.q, none]), np.hstack([way.bend, none[1:]]))
+        return moving.search(whole, level=level, followed=None if tells_all else self._first_ones)
+
+    def _first_ones(self, meetings: Sequence[Meeting]) -> list[int]:
+        """Which of some meetings come first of those with their key, or go on from the phase before."""
+        if self.search_of.keys is None:
+            return list(range(len(meetings)))
+        found = [self.told(meeting) for meeting in meetings]
+        first: dict[Hashable, int] = {}
+        order = sorted(range(len(found)), key=lambda e: found[e].begin)
+        for e, key in zip(order, self.search_of.keys([found[e] for e in order]), strict=True):
+            first.setdefault(key, e)
+        goes_on = {e for e, meeting in enumerate(meetings) if meeting.stretch == 0 and meeting.share <= 0.0}
+        return sorted(goes_on | set(first.values()))
 
     def standing(self, rows: NDArray[np.intp], q: Array, level: float) -> list[Meeting]:
         """Those of these pairs that are nearer than a level [m] with joints at `q` (j,)."""

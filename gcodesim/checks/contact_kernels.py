@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from gcodesim.checks.descent_kernels import begin, convexes_at, descend
 from gcodesim.checks.gap_kernels import gap_between
-from gcodesim.checks.search_kernels import PairSearch, comes_near, gap_seen, look_between, look_in, range_of
+from gcodesim.checks.search_kernels import PairSearch, gap_seen, look_between, look_in, range_of
 from gcodesim.checks.way_kernels import CLOSE, NEVER, ROUNDS, advance, gap_at
 from gcodesim.compiled import kernel
 
@@ -114,10 +114,12 @@ def later_end_on(p: int, k: int, level: float, search: PairSearch) -> float:
     for half in range(1, 3):
         here = 0.5 * half
         look_in(p, k, here, search)
-        if comes_near(p, level - way * (1.0 - here), search):
-            return NEVER
-        if not comes_near(p, level + CLOSE, search):
+        stays_from = level - way * (1.0 - here)
+        gap = gap_seen(p, stays_from, level + CLOSE, search)
+        if gap >= level + CLOSE:
             return here
+        if gap < stays_from:
+            return NEVER
     return NEVER
 
 

@@ -12,9 +12,10 @@ from typing import NamedTuple
 import numpy as np
 
 from gcodesim.checks.contact_kernels import beginning, end_on, first_on, later_end_on
+from gcodesim.checks.couple_kernels import Least
 from gcodesim.checks.descent_kernels import deepest_of
 from gcodesim.checks.gap_kernels import Ints
-from gcodesim.checks.least_kernels import Least, lower
+from gcodesim.checks.least_kernels import lower
 from gcodesim.checks.search_kernels import (
     TOGETHER,
     PairSearch,
@@ -168,13 +169,20 @@ def meet(level: float, search: PairSearch, walk: Walk, found: Meetings) -> None:
 
 
 @kernel
-def complete(level: float, search: PairSearch, least: Least, found: Meetings) -> None:
-    """Find how near the bodies of each meeting come, or how deep in each other, and where contacts begin exactly."""
+def complete(which: Ints, search: PairSearch, least: Least, found: Meetings) -> None:
+    """Find how near the bodies of some meetings, by their rows, come, or how deep in each other."""
+    for e in which:
+        row, figures = found.rows[e], found.figures[e]
+        p, begin = row[PAIR], (row[DEEPEST], figures[AT_LEAST])
+        least.gap[0], least.stretch[0], least.share[0] = figures[GAP], row[DEEPEST], figures[AT_LEAST]
+        lower(p, begin, (row[LAST], figures[END]), search, least)
+        row[DEEPEST], figures[AT_LEAST], figures[GAP] = least.stretch[0], least.share[0], least.gap[0]
+
+
+@kernel
+def touch_exactly(search: PairSearch, found: Meetings) -> None:
+    """Find where contacts begin exactly, of bodies that have come a little into each other there."""
     for e in range(found.used[0]):
         row, figures = found.rows[e], found.figures[e]
-        p, k = row[PAIR], row[FIRST]
-        least.gap[0], least.stretch[0], least.share[0] = figures[GAP], k, figures[BEGIN]
-        lower(p, (k, figures[BEGIN]), (row[LAST], figures[END]), search, least)
-        row[DEEPEST], figures[AT_LEAST], figures[GAP] = least.stretch[0], least.share[0], least.gap[0]
-        if level <= 0.0 and figures[BEGIN] > 0.0:
-            figures[BEGIN] = beginning(p, row[ONE], row[OTHER], k, figures[BEGIN], search)
+        if figures[BEGIN] > 0.0:
+            figures[BEGIN] = beginning(row[PAIR], row[ONE], row[OTHER], row[FIRST], figures[BEGIN], search)

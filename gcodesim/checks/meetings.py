@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import cached_property
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +17,9 @@ from gcodesim.checks.way_kernels import Couple, JointTree, WayColumns, way_room
 from gcodesim.frames import Array
 from gcodesim.frozen import frozen
 from gcodesim.kinematics.chain import Tree
+
+if TYPE_CHECKING:
+    from gcodesim.checks.meeting_kernels import Meetings
 
 TOUCH: Final = 1e-6
 """Bodies that enter each other by less than this [m] only touch."""
@@ -136,42 +139,42 @@ class MovingBodies:
         ends = np.cumsum(counts).tolist()
         return self._woods.convexes, [(end - count, end) for end, count in zip(ends, counts, strict=True)]
 
-    def search(self, way: JointWay, *, level: float = -TOUCH) -> list[Meeting]:
+    def search(
+        self, way: JointWay, *, level: float = -TOUCH, followed: Callable[[list[Meeting]], Sequence[int]] | None = None
+    ) -> list[Meeting]:
         """Every time that two of the bodies come nearer than `level` [m], in the order of the pairs and of the way.
 
         Nothing is missed that goes deeper than the level by more than what the way may leave its straight line. The gap
-        of a meeting is the least of it on the straight way, to `EXACT` and a share of 1e-6 of itself.
+        of a meeting is the least of it on the straight way, to `EXACT` and a share of 1e-6 of itself. Who needs that of
+        some only chooses by `followed`, from meetings with the gaps of their beginnings, by their places in the list.
         """
-        from gcodesim.checks.least_kernels import least_room
-        from gcodesim.checks.meeting_kernels import complete, meet, meetings_room, walk_room
+        from gcodesim.checks.couple_kernels import least_room
+        from gcodesim.checks.meeting_kernels import complete, meet, meetings_room, touch_exactly, walk_room
 
         if not len(self.pairs) or not len(way.bend):
             return []
         found = meetings_room(MOST)
         search = self._search(way)
         meet(level, search, walk_room(len(self.pairs)), found)
-        complete(level, search, least_room(EXACT, RELATIVE), found)
+        if level <= 0.0:
+            touch_exactly(search, found)
         meetings = self._inside_at_start(way) if level <= 0.0 else []
         inside = {(meeting.first, meeting.second) for meeting in meetings}
-        count = int(found.used[0])
-        for (p, k, last, deepest, _, _), (share, _, worst, gap) in zip(
-            found.rows[:count].tolist(), found.figures[:count].tolist(), strict=True
-        ):
-            first, second = self.pairs[p].tolist()
-            if k == 0 and (first, second) in inside:
-                continue
-            meetings.append(
-                Meeting(
-                    first=first,
-                    second=second,
-                    stretch=k,
-                    share=share,
-                    last=last,
-                    deepest=(deepest, worst),
-                    gap=gap,
-                )
-            )
-        return meetings
+        rows = [e for e in range(int(found.used[0])) if not (found.rows[e, 1] == 0 and self._pair(found, e) in inside)]
+        which = range(len(rows)) if followed is None else followed([self._meeting(found, e) for e in rows])
+        complete(np.array([rows[i] for i in which], dtype=np.int64), search, least_room(EXACT, RELATIVE), found)
+        return meetings + [self._meeting(found, e) for e in rows]
+
+    def _pair(self, found: Meetings, e: int) -> tuple[int, int]:
+        """The bodies of meeting `e`."""
+        first, second = self.pairs[found.rows[e, 0]].tolist()
+        return first, second
+
+    def _meeting(self, found: Meetings, e: int) -> Meeting:
+        _, k, last, deepest, _, _ = found.rows[e].tolist()
+        share, _, worst, gap = found.figures[e].tolist()
+        first, second = self._pair(found, e)
+        return Meeting(first=first, second=second, stretch=k, share=share, last=last, deepest=(deepest, worst), gap=gap)
 
     def touching(self, q: Array) -> NDArray[np.int64]:
         """Which of the pairs is the first whose bodies are in each other at joints q (n, j), for each row; −1: none."""
@@ -188,7 +191,8 @@ class MovingBodies:
 
         It is above the true one by `tolerance` and a share of 2e-4 at most.
         """
-        from gcodesim.checks.least_kernels import least_room, lower_all
+        from gcodesim.checks.couple_kernels import least_room
+        from gcodesim.checks.least_kernels import lower_all
 
         if not len(self.pairs):
             return float("inf")

@@ -125,6 +125,12 @@ def collisions(
     travel = np.abs(joints(nodes)).max(axis=0)
     places = [(*_carrier(tree, stay), stay) for stay in stays if stay.parent not in tree.part]
     reach = bodies.reach(travel, [(at, stay.body, X @ stay.X) for at, X, stay in places])
+
+    def span_of(body: CellBody) -> Span:
+        kind, _, name = body.frame.partition("/")
+        return cell.span(_KEYS[kind], name) if kind in _KEYS else Span(cell.name)
+
+    words = CellWords(running, span_of)
     search = CellSearch(
         cell=bodies,
         way=TimedWay.of(joints, nodes, reach),
@@ -135,13 +141,9 @@ def collisions(
         dockings=[each for own, plan in zip(shops, plans, strict=True) for each in _dockings(own, plan)],
         apart=cell.limits.apart,
         grain={each.name: each.grain for each in loose},
+        keys=words.keys,
     )
 
-    def span_of(body: CellBody) -> Span:
-        kind, _, name = body.frame.partition("/")
-        return cell.span(_KEYS[kind], name) if kind in _KEYS else Span(cell.name)
-
-    words = CellWords(running, span_of)
     found = search.meetings()
     yield from words.overlaps(search.overlaps)
     yield from words.collisions(found)

@@ -99,6 +99,42 @@ def test_an_arm_that_swings_by_a_wall_touches_it_in_the_middle_or_not(gap: float
         assert pair.least_gap(way) == pytest.approx(gap, abs=6e-6)
 
 
+@pytest.mark.parametrize("stretches", [3, 90, 700])
+@pytest.mark.parametrize("blunt", [0.0, 0.02])
+def test_how_deep_it_is_does_not_depend_on_the_stretches_of_a_way(stretches: int, blunt: float) -> None:
+    """A bar that swings 5 mm into a wall: on many stretches it is bounded by few directions, on few by each."""
+    tip = body("tip", Sphere(radius=0.01), (0.8, 0.0, 0.0), carrier=0)
+    if blunt:  # of three bodies, of which one reaches farther
+        ends = [Placed(Sphere(radius=0.01), Pose.from_xyz_rpy((0.8 - blunt * i, 0.001 * i, 0.0))) for i in range(3)]
+        tip = RigidBody(name="tip", solids=tuple(ends), carrier=0)
+    wall = body("wall", Box(lower=(0.0, -1.0, -1.0), upper=(0.1, 1.0, 1.0)), (0.805, 0.0, 0.0))
+    q = np.linspace(-0.5, 0.37, stretches + 1)[:, None]
+    (meeting,) = pair_of(tree_of((Z, False)), tip, wall).search(JointWay.straight(q))
+    assert -5e-3 - 1e-8 <= meeting.gap <= -5e-3 + 1.1e-6
+    stretch, share = meeting.deepest
+    assert q[stretch, 0] + share * 0.87 / stretches == pytest.approx(0.0, abs=2e-3)
+
+
+def test_of_meetings_that_are_not_followed_only_the_beginning_is_known() -> None:
+    wall = body("wall", Box.about_origin((0.01, 0.1, 0.1)), (0.5, 0.0, 0.0))
+    there_and_back = JointWay.straight(np.array([[0.0], [1.0], [1.2], [0.0]]))
+    pair, seen = pair_of(ALONG_X, BALL, wall), []
+    whole = pair.search(there_and_back)
+
+    def second(meetings: list[Meeting]) -> list[int]:
+        seen.extend(meetings)
+        return [1]
+
+    found = pair.search(there_and_back, followed=second)
+    assert found[1] == whole[1]
+    assert found[0] == seen[0]
+    assert [(each.stretch, each.share, each.last) for each in found] == [
+        (each.stretch, each.share, each.last) for each in whole
+    ]
+    assert -1e-5 < found[0].gap < 0.0
+    assert whole[0].gap == pytest.approx(-6e-3, abs=1.1e-6)
+
+
 def test_joints_that_carry_both_bodies_change_nothing() -> None:
     """Two links of one machine are as far apart wherever their common joint stands."""
     tree = tree_of((Z, False), (X, True))
