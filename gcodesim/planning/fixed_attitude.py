@@ -454,9 +454,25 @@ def _solved_at(kinematics: Kinematics, flange: Flange, nodes: Nodes, choice: Spi
     status = np.zeros(len(X), dtype=np.uint8)
     previous = home
     for k, (a, b) in enumerate(nodes.chains):
-        q[a:b], status[a:b] = kinematics.inverse(X[a:b], choice.seeds.get(k, previous))
+        q[a:b], status[a:b] = _from_start(kinematics, X[a:b], choice.seeds.get(k, previous))
         previous = q[b - 1]
     return nodes, q, status
+
+
+def _from_start(kinematics: Kinematics, X_BF: Array, seed: Array) -> tuple[Array, NDArray[np.uint8]]:
+    """Joints (n, j) and status (n,) along flange poses (n, 4, 4), begun near `seed` (j,).
+
+    Where the first pose is singular, a joint may stand anywhere there. It stands where the way goes on from, as a way
+    back to the start shows, not where the machine happens to come from.
+    """
+    q, status = kinematics.inverse(X_BF, seed)
+    clear = np.flatnonzero(status == Status.OK)
+    if status[0] != Status.SINGULAR or not len(clear):
+        return q, status
+    back, _ = kinematics.inverse(np.ascontiguousarray(X_BF[clear[0] :: -1]), q[clear[0]])
+    begun = kinematics.inverse(X_BF, back[-1])
+    leap, own = (np.abs(np.diff(each[: clear[0] + 1], axis=0)).max() for each in (q, begun[0]))
+    return begun if own < leap and not _is_bad(begun[1][: clear[0] + 1]).any() else (q, status)
 
 
 def _bridge(nodes: Nodes, q: Array, status: NDArray[np.uint8]) -> NDArray[np.bool_]:

@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 STILL: Final = 1e-12  # [rad, m] of a joint that does not move
 SHORTEST: Final = 1e-9  # [s] of a move on which nothing moves: a nanosecond
 _LOOKS: Final = 64  # places of a move at which its efforts are asked for
+_CLOSE_LOOKS: Final = 1024  # the same where one is near its limit: between two of 64 weight may take what motion has
+_NEAR: Final = 0.9  # of a limit
 _WITHIN: Final = 1e-9  # of a ramp, before its end
 
 
@@ -120,13 +122,9 @@ class JointMove:
         """The move slowed evenly so that motors can give its efforts with `tool`; and where, on `piece`, if it was."""
         if not self.moves or not loads.matter:
             return self, None
-        step, looks = self.end - self.start, self._looks()
-        share, rate, change = self.law_at(looks)
-        q, tools = self.start + share[:, None] * step, np.full(len(looks), tool)
-        qd = rate[:, None] * step
-        static, moved = loads.efforts(tools, q, (0.0, 0.0), (qd, change[:, None] * step))
-        reserve = loads.reserve(tools, q, qd, np.zeros(len(looks), dtype=bool))
-        slowing = loads.slowing(np.full(len(looks), piece), static, moved, reserve=reserve)
+        share, slowing = self._asks(loads, tool, piece, _LOOKS)
+        if share > _NEAR:
+            _, slowing = self._asks(loads, tool, piece, _CLOSE_LOOKS)
         worst = slowing.at(np.array([slowing.share.argmin()]))
         k = float(worst.share[0])
         if k >= 1.0:
@@ -136,11 +134,22 @@ class JointMove:
         )
         return slower, worst
 
-    def _looks(self) -> Array:
+    def _asks(self, loads: Loads, tool: int, piece: int, count: int) -> tuple[float, Slowing]:
+        """The greatest share of a limit that an effort takes at `count` places of the move, and what they allow."""
+        step, looks = self.end - self.start, self._looks(count)
+        share, rate, change = self.law_at(looks)
+        q, tools = self.start + share[:, None] * step, np.full(len(looks), tool)
+        qd = rate[:, None] * step
+        static, moved = loads.efforts(tools, q, (0.0, 0.0), (qd, change[:, None] * step))
+        reserve = loads.reserve(tools, q, qd, np.zeros(len(looks), dtype=bool))
+        most = float(((np.maximum(np.abs(static), np.abs(moved)) + reserve) / loads.limit).max())
+        return most, loads.slowing(np.full(len(looks), piece), static, moved, reserve=reserve)
+
+    def _looks(self, count: int) -> Array:
         """Times [s] at which efforts are asked for: evenly, and where speed and acceleration are greatest together.
 
         These are the ends of the ramps, as seen from within them.
         """
         ramp = self._ramp(self.peak)
         total, within = 1.0 / self.peak + ramp, ramp * (1.0 - _WITHIN)
-        return np.concatenate([(np.arange(_LOOKS) + 0.5) / _LOOKS * total, [0.0, within, total - within, total]])
+        return np.concatenate([(np.arange(count) + 0.5) / count * total, [0.0, within, total - within, total]])

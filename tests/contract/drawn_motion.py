@@ -10,6 +10,8 @@ from random import Random
 
 LOADS = {"kuka_kr10_r1100_2": 10, "abb_irb1200_5_90": 5, "staubli_tx2_90": 14, "ur10e": 12, "fanuc_m20ia": 20}
 ARMS = tuple(LOADS)
+FAR = ("kuka_kr10_r1100_2", "staubli_tx2_90", "ur10e")
+"""Arms that reach work 0.7 m before them."""
 TOOL = "tools: {1: {type: ball_end_mill, diameter: 8, flutes: 2, length: 60}}\n"
 MODES = ("G61", "G64", "G64 P0.05", "G64 P0.5 Q0.01", "G61.1")
 OFTEN = 0.5
@@ -303,6 +305,57 @@ def arm_at_a_table(rng: Random) -> Drawn:
     return Drawn(cell, f"G21 G90 G94 {_mode(rng)}\nT1 M6\n{_moves(rng, 20, 30, words)}M2\n")
 
 
+def arm_at_a_free_table(rng: Random) -> Drawn:
+    """Work on a turntable, or on a turn-tilt table, that the planner turns to the arm; one axis may be commanded."""
+    tilts = rng.choice(("", "  " + _axis(rng, "A", rotary=True, more=", at: [0, 0, 40]")))
+    free = rng.choice(("whole", "turn")) if tilts else "whole"
+    turns = "  " + _axis(rng, "C", rotary=True, more=", free: true" if free == "turn" else "")
+    whole = "    free: true\n" if free == "whole" else ""
+    lean = rng.choice(("", "orientation: {tool_axis: -Z of G54}\n"))
+    cell = (
+        f"gcodesim: 1\nrobots: {{arm: {{model: {rng.choice(FAR[:2])}}}}}\n"
+        f"externals:\n  positioner:\n    axes:\n{tilts}{turns}    base: {{in: world, xyz: [650, 0, 250]}}\n{whole}"
+        f"work_offsets: {{G54: {{in: positioner, xyz: [0, 0, 70]}}}}\n{lean}{TOOL}"
+    )
+    angle = [0.0]
+
+    def words() -> str:
+        if free == "whole" or rng.random() < OFTEN:
+            return ""
+        angle[0] = max(min(angle[0] + rng.choice((0.5, 5.0)) * rng.uniform(-1, 1), 25), -25)
+        return f"A{angle[0]:.4f}"
+
+    return Drawn(cell, f"G21 G90 G94 {_mode(rng)}\nT1 M6\n{_moves(rng, 20, 60, words)}M2\n")
+
+
+def arm_at_a_bar(rng: Random) -> Drawn:
+    """A bar that turns on and on below the tool, as printers of tubes have it, on a slide or not; any arm."""
+    speed = rng.uniform(60, 720)
+    about = f"speed: {speed:.0f} deg/s, acceleration: {speed * rng.uniform(2, 12):.0f} deg/s^2"
+    slide = (
+        f"      V: {{travel: [-200, 200 mm], speed: {rng.uniform(100, 800):.0f} mm/s}}\n"
+        if rng.random() < OFTEN
+        else ""
+    )
+    cell = (
+        f"gcodesim: 1\nrobots: {{arm: {{model: {rng.choice(FAR)}}}}}\nexternals:\n  spindle:\n    axes:\n{slide}"
+        f"      A: {{travel: unlimited, {about}}}\n"
+        "    base: {in: world, xyz: [700, 0, 350]}\n"
+        f"frames: {{above: {{in: world, xyz: [700, 0, 350]}}}}\n"
+        f"work_offsets: {{G54: {{in: above}}}}\norientation: {{tool_axis: -Z of world}}\n{TOOL}"
+    )
+    lines, turn, place = [], 0.0, 0.0
+    for k in range(20):
+        turn += rng.choice((3.0, 60.0, 1000.0)) * rng.uniform(-0.3, 1.0)
+        place = max(min(place + rng.uniform(-60, 60), 150), -150) if slide and rng.random() < OFTEN else place
+        words = f"A{turn:.3f}" + (f" V{place:.3f}" if slide else "")
+        x, z = rng.uniform(-60, 60), 20 + 0.3 * k
+        lines.append(
+            f"{rng.choice(('G0', 'G1', 'G1'))} X{x:.3f} Y{rng.uniform(-1, 1):.3f} Z{z:.2f} {words} {_feed(rng)}"
+        )
+    return Drawn(cell, f"G21 G90 G94 {_mode(rng)}\nT1 M6\nG0 X0 Y0 Z20\n" + "\n".join(lines) + "\nM2\n")
+
+
 def arm_that_pushes(rng: Random) -> Drawn:
     """An arm whose motors have friction and rotors, with a spring at the tip and a force that its work is to make."""
     drawn = arm(rng)
@@ -415,4 +468,6 @@ KINDS: dict[str, Callable[[Random], Drawn]] = {
     "probing mill": probing_mill,
     "arm on a rail": arm_on_a_rail,
     "arm at a table": arm_at_a_table,
+    "arm at a free table": arm_at_a_free_table,
+    "arm at a bar": arm_at_a_bar,
 }

@@ -61,7 +61,8 @@ def share_of_efforts(plan: Plan, shop: Shop) -> float:
     tool = np.array([state.tool for state in plan.path.states])[plan.path.state[samples.row]][1:-1]
     here = np.ascontiguousarray(q[1:-1])
     speed, acceleration = (q[2:] - q[:-2]) / (2.0 * CYCLE), np.diff(q, n=2, axis=0) / CYCLE**2
-    feeding = np.isfinite(plan.path.feed[samples.row[1:-1]])
+    feeds = np.isfinite(plan.path.feed[samples.row])
+    feeding = feeds[:-2] & feeds[1:-1] & feeds[2:]  # else the acceleration is in part that of a move that does no work
     reserve = loads.reserve(tool, here, speed, feeding)
     efforts = (np.abs(*loads.efforts(tool, here, (speed, acceleration))) + reserve) / loads.limit
     borne = (np.abs(*loads.efforts(tool, here, (0.0, 0.0))) + reserve) / loads.limit < BORNE

@@ -267,6 +267,19 @@ def test_a_leap_to_another_configuration_takes_its_time(
     assert np.all(np.abs(np.diff(q, axis=0)) / DT <= 1.02 * arm().joints.speed)
 
 
+@pytest.mark.parametrize("end", [(0.3, 0.225, 1.14), (0.2, -0.25, 1.1), (-0.1, 0.3, 1.12)])
+def test_a_path_that_begins_on_the_base_axis_begins_as_it_goes_on(end: tuple[float, float, float]) -> None:
+    """With the wrist above it joint 1 may stand anywhere; it stayed where it was, and leaped when the path began."""
+    posing = FixedAttitude(upright=np.diag([1.0, -1.0, -1.0]))
+    plan = planned(rapid(2, 0.0, 0.0, 1.14), line(3, *end), posing=posing)
+    samples, q, _ = sampled(plan)
+
+    assert not {f.code for f in plan.findings} & {"GS201", "GS203", "GS212", "GS216"}
+    feeding = q[samples.row == 1]
+    assert np.ptp(feeding[:, 0]) < 1e-6
+    assert np.abs(np.diff(feeding, axis=0)).max() / DT < 1.0
+
+
 def reachable_share(start: np.ndarray, end: np.ndarray) -> float:
     low, high = 0.0, 1.0
     for _ in range(40):
