@@ -85,22 +85,23 @@ class FallingFilament(Watch):
                 limit=SHARE * moves,
             )
         elif self._place is not None:
-            yield Diagnostic(
-                code="GS178",
-                message=f"E falls by {self._deepest / MM:.1f} mm on the way: so much is drawn back out of the nozzle",
-                span=self._place,
-                hint="say G92 E0 where E begins anew, or M83 if its words are steps",
-                value=self._deepest / MM,
-                limit=LONGEST_WIPE / MM,
-                unit="mm",
-            )
+            words = f"by {self._deepest / MM:.1f} mm on the way: so much is drawn back out of the nozzle"
+            hint = "say G92 E0 where E begins anew, or M83 if its words are steps"
+            yield _drawn_back(words, hint, self._place, self._deepest, LONGEST_WIPE)
         elif self._unloads is not None:
-            yield Diagnostic(
-                code="GS178",
-                message=f"E falls by {self._unloaded / MM:.0f} mm at once: so much is drawn back out of the machine",
-                span=self._unloads,
-                hint="say G92 E0 where E begins anew, or M83 if E words are steps; G91 is not about E in all firmware",
-                value=self._unloaded / MM,
-                limit=LONGEST_UNLOADING / MM,
-                unit="mm",
-            )
+            words = f"by {self._unloaded / MM:.0f} mm at once: so much is drawn back out of the machine"
+            hint = "say G92 E0 where E begins anew, or M83 if E words are steps; G91 is not about E in all firmware"
+            yield _drawn_back(words, hint, self._unloads, self._unloaded, LONGEST_UNLOADING)
+
+
+def _drawn_back(words: str, hint: str, span: Span, length: float, limit: float) -> Diagnostic:
+    """GS178 of filament that is drawn back by a length [m], more than a limit [m]."""
+    return Diagnostic(
+        code="GS178",
+        message=f"E falls {words}",
+        span=span,
+        hint=hint,
+        value=length / MM,
+        limit=limit / MM,
+        unit="mm",
+    )
