@@ -20,15 +20,19 @@ from gcodesim.motion.tool_path import ToolPath
 def slerp(first: ArrayLike, last: ArrayLike, u: ArrayLike) -> Array:
     """Quaternions (n, 4), x y z w, at shares `u` (n,) of the shorter turn from `first` to `last` (Shoemake 1985)."""
     a, b = canonical_quaternion(np.asarray(first, dtype=float)), canonical_quaternion(np.asarray(last, dtype=float))
-    u = np.atleast_1d(np.asarray(u, dtype=float))
+    return canonical_quaternion(turn_from(a, b, np.atleast_1d(np.asarray(u, dtype=float))))
+
+
+def turn_from(a: Array, b: Array, u: Array) -> Array:
+    """Quaternions (n, 4) at shares `u` (n,) of the shorter turn between unit quaternions, with the sign of `a`."""
     cosine = dot(a, b)
     if cosine < 0.0:
         b, cosine = -b, -cosine
     if cosine > 1.0 - 1e-12:
-        return canonical_quaternion(a + u[:, None] * (b - a))
+        return a + u[:, None] * (b - a)
     angle = acos(cosine)
     weights = np.stack([sin((1.0 - u) * angle), sin(u * angle)], axis=-1) / sin(angle)
-    return canonical_quaternion(multiplied(weights, np.stack([a, b])))
+    return multiplied(weights, np.stack([a, b]))
 
 
 def linear_interpolation(
@@ -97,8 +101,6 @@ def spline_interpolation(
     `by` number: between two points it takes the same share, however far they are apart. PyBullet Industrial passes
     points as columns; (3, n) with n other than 3 is taken as such.
     """
-    from scipy.interpolate import CubicSpline, make_interp_spline
-
     through = numbers(points, (None, None), "a spline")
     if through.shape[1] != 3 and through.shape[0] == 3:
         through = through.T
@@ -107,14 +109,19 @@ def spline_interpolation(
         raise ValueError("a spline goes through two points or more")
     if by not in ("length", "number"):
         raise ValueError(f"a spline is run by `length` or by `number`; {by!r} is given")
+    u = np.linspace(0.0, 1.0, _count(samples))
+    return ToolPath.from_points(spline_points(through, u, by), _turned(u, start_orientation, end_orientation))
+
+
+def spline_points(through: Array, u: Array, by: Literal["length", "number"]) -> Array:
+    """Points (m, 3) [m] at shares `u` (m,) of the cubic spline through `through` (n, 3), n at least 2."""
+    from scipy.interpolate import CubicSpline, make_interp_spline
+
     steps = norms(np.diff(through, axis=0)) if by == "length" else np.full(len(through) - 1, 1.0 / (len(through) - 1))
     way = np.concatenate([[0.0], np.cumsum(steps)])
-    u = np.linspace(0.0, 1.0, _count(samples))
     if len(through) < 4:
-        at = make_interp_spline(way, through, k=len(through) - 1)(u * way[-1])
-    else:
-        at = CubicSpline(way, through)(u * way[-1])
-    return ToolPath.from_points(at, _turned(u, start_orientation, end_orientation))
+        return np.asarray(make_interp_spline(way, through, k=len(through) - 1)(u * way[-1]))
+    return np.asarray(CubicSpline(way, through)(u * way[-1]))
 
 
 def build_box_path(

@@ -148,7 +148,9 @@ class GCodeProcessor:
         unknown = line.keys() - _MOTION_WORDS
         if unknown:
             raise KeyError(f"a move has no word `{min(unknown)}`")
-        point = [line.get(w, last - o) + o for w, last, o in zip("XYZ", self.last_point, self.offset[0], strict=True)]
+        point = [
+            line[w] + o if w in line else at for w, at, o in zip("XYZ", self.last_point, self.offset[0], strict=True)
+        ]
         angles = [line.get(w, last - o) for w, last, o in zip("ABC", self.last_or, self.offset[1], strict=True)]
         own, origin = p.getQuaternionFromEuler(angles), p.getQuaternionFromEuler(self.offset[1])
         turned = p.multiplyTransforms((0, 0, 0), own, (0, 0, 0), origin)[1]

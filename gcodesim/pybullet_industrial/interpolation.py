@@ -12,22 +12,22 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from gcodesim.arithmetic.elementary import atan2, cos, sin
-from gcodesim.arithmetic.matrices import dot, norm
+from gcodesim.arithmetic.matrices import norm, norms
 from gcodesim.frames import Array
 from gcodesim.motion import builders
 from gcodesim.pybullet_industrial.toolpath import ToolPath
 
 
 def slerp(start_quat: ArrayLike, end_quat: ArrayLike, t_vals: ArrayLike) -> Array:
-    """Quaternions (n, 4) at shares `t_vals` (n,) of the shorter turn, with the sign of the start (Shoemake 1985)."""
-    first, last = np.asarray(start_quat, dtype=float), np.asarray(end_quat, dtype=float)
-    found = builders.slerp(first, last, t_vals)
-    first = first / norm(first)
-    along = np.concatenate([first[None], found])
-    for i in range(1, len(along)):  # canonical signs jump where w passes zero; a turn does not
-        if dot(along[i], along[i - 1]) < 0.0:
-            along[i] = -along[i]
-    return along[1:]
+    """Quaternions (n, 4) at shares `t_vals` (n,) of the shorter turn, with the sign of the start (Shoemake 1985).
+
+    For a single share, a number, it is one quaternion (4,). Shares below 0 and above 1 turn on beyond the ends.
+    """
+    first, last = (np.asarray(quat, dtype=float) for quat in (start_quat, end_quat))
+    shares = np.asarray(t_vals, dtype=float)
+    turned = builders.turn_from(first / norm(first), last / norm(last), np.atleast_1d(shares))
+    found = turned / norms(turned)[:, None]  # a turn so small that it is a straight line is a little short
+    return found if shares.ndim else found[0]
 
 
 def build_circular_path(
@@ -54,15 +54,17 @@ def linear_interpolation(
 def planar_circular_interpolation(
     start_point: ArrayLike, end_point: ArrayLike, radius: float, samples: int, clockwise: bool = True
 ) -> Array:
-    """Points (2, samples) on the shorter arc; ValueError when the points are as far apart as the diameter, or further.
+    """Points (2, samples) on the shorter arc between points (2,) [m].
 
-    The points are (2,) [m].
+    ValueError when they are one point, or as far apart as the diameter, or further.
     """
     start, end = np.asarray(start_point, dtype=float), np.asarray(end_point, dtype=float)
     across = end - start
     gap = math.hypot(*across)
     if radius <= 0.5 * gap:
         raise ValueError(f"the radius is {radius} m; between points {gap} m apart it has to be more than {0.5 * gap} m")
+    if gap == 0.0:
+        raise ValueError("an arc does not begin and end in the same point; its middle would be anywhere")
     left = np.array([-across[1], across[0]]) / gap
     height = math.sqrt(radius * radius - 0.25 * gap * gap)
     center = 0.5 * (start + end) + (-height if clockwise else height) * left
@@ -92,8 +94,10 @@ def circular_interpolation(
 
 def spline_interpolation(points: ArrayLike, samples: int) -> ToolPath:
     """`samples` points on the cubic spline through the columns of `points` (3, n), all stretches in equal time."""
-    through = np.asarray(points, dtype=float).T
-    return ToolPath(builders.spline_interpolation(through, samples, by="number").positions.T.copy())
+    through = np.ascontiguousarray(np.asarray(points, dtype=float).T)
+    if len(through) < 2:
+        raise ValueError("a spline goes through two points or more")
+    return ToolPath(builders.spline_points(through, np.linspace(0.0, 1.0, samples), "number").T.copy())
 
 
 def _turned(path: ToolPath, start: ArrayLike | None, end: ArrayLike | None) -> ToolPath:

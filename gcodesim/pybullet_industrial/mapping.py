@@ -34,6 +34,8 @@ class Counterpart:
 
 _RAY = "the force acts in axes of the working point, also where a `tcp_frame` is named"
 _ONCE = f"each body is removed and returned once; {_RAY}"
+_SINGLE_POINT = "a single point is the first one; the original divides by 0"
+_ARC = f"{_SINGLE_POINT}, and where start and end are the same; that is a ValueError"
 _PATHS = "`gcodesim.{}`: points as rows, other paths"
 
 COUNTERPARTS: Final[dict[str, Counterpart]] = {
@@ -46,6 +48,12 @@ COUNTERPARTS: Final[dict[str, Counterpart]] = {
     ),
     "CollisionChecker.remove_link_id": Counterpart(
         differs="the link is left out against other bodies too; the original goes on looking at it there"
+    ),
+    "CollisionChecker.get_body_distance": Counterpart(
+        differs="the bodies may be given in any order; in the original links change sides if the second comes first"
+    ),
+    "CollisionChecker.add_body_id": Counterpart(
+        differs="pairs that were ignored stay so; the original forgets those with a body that was removed in between"
     ),
     "EndeffectorTool": Counterpart(
         ours="`tools:` of a cell, by T and M6; `type: end_effector` is a body with a tip alone"
@@ -102,18 +110,20 @@ COUNTERPARTS: Final[dict[str, Counterpart]] = {
     "ToolPath.draw": Counterpart(ours="`ToolPath.draw`, for matplotlib"),
     "linear_interpolation": Counterpart(ours=_PATHS.format("linear_interpolation")),
     "circular_interpolation": Counterpart(
-        ours=_PATHS.format("circular_interpolation") + ", about axis 1 by the right hand"
+        ours=_PATHS.format("circular_interpolation") + ", about axis 1 by the right hand",
+        differs=_ARC,
     ),
     "spline_interpolation": Counterpart(
         ours=_PATHS.format("spline_interpolation") + ', by length unless `by="number"`'
     ),
     "build_box_path": Counterpart(
         ours="`gcodesim.build_box_path`: `angles` after `dimensions`, counterclockwise, exactly `samples` points",
-        differs="turned in double precision; the original has single (1e-7)",
+        differs="turned in double precision; the original has single (1e-7). Where a corner has one point, it is the "
+        "end of the side; in the original it is no number",
     ),
     "slerp": Counterpart(),
-    "build_circular_path": Counterpart(differs="a single point is the first one; the original divides by 0"),
-    "planar_circular_interpolation": Counterpart(),
+    "build_circular_path": Counterpart(differs=_SINGLE_POINT),
+    "planar_circular_interpolation": Counterpart(differs=_ARC),
     "Particle": Counterpart(),
     "Plastic": Counterpart(ours="beads in the stock, which is milled and touched afterwards"),
     "Paint": Counterpart(ours="`type: spray_gun`: a film with thickness on stock and parts"),

@@ -18,7 +18,8 @@ class ToolPath:
     """n poses: `positions` (3, n) [m], `orientations` (4, n) quaternions x y z w, `tool_activations` (n,).
 
     Without orientations all are [0, 0, 0, 1], without activations the tool is off. The arrays are kept as they are
-    given, not copied. ValueError when they have different lengths. Iterating gives position, orientation, activation.
+    given, not copied; lists become arrays where that is needed. ValueError when they have different lengths. Iterating
+    gives position, orientation, activation.
     """
 
     def __init__(
@@ -37,8 +38,8 @@ class ToolPath:
 
     def translate(self, vector: Sequence[float] | Array) -> None:
         """Shift this path itself by `vector` (3,) [m]."""
-        for row, shift in zip(self.positions, vector, strict=False):
-            row += shift
+        for row in range(3):
+            self.positions[row] += vector[row]
 
     def get_start_pose(self) -> tuple[Array, Array]:
         """Position (3,) and orientation (4,) of the first point."""
@@ -47,7 +48,8 @@ class ToolPath:
     def rotate(self, quaternion: ArrayLike) -> None:
         """Turn this path itself: positions about the origin, each orientation about its own axes."""
         R = matrix_of(quaternion)
-        self.positions[:] = applied(R, np.ascontiguousarray(self.positions.T)).T
+        self.positions, self.orientations = np.asarray(self.positions), np.asarray(self.orientations)
+        self.positions[:] = applied(R, np.ascontiguousarray(self.positions.T, dtype=float)).T
         turned = [quaternion_of(multiplied(matrix_of(own), R)) for own in self.orientations.T]
         self.orientations[:] = np.array(turned).reshape(-1, 4).T
 
@@ -58,7 +60,7 @@ class ToolPath:
         if not pose:
             draw_path(self.positions, color)
             return
-        for position, orientation in zip(self.positions.T, self.orientations.T, strict=True):
+        for position, orientation in zip(np.transpose(self.positions), np.transpose(self.orientations), strict=True):
             draw_coordinate_system(position, orientation)
 
     def append(self, tool_path: ToolPath) -> None:
