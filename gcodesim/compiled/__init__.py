@@ -30,9 +30,9 @@ when_cold: Callable[[str, str], None] | None = None
 class Kernel:
     """A function of arrays and scalars that is compiled when it is called first.
 
-    A `short` kernel gets as many rows as its first argument is long, and is
-    interpreted when they are few. That depends on nothing but the arguments,
-    so equal input takes the same way in every process.
+    A `short` kernel gets as many rows as its first argument is long, or the
+    first of its columns, and is interpreted when they are few. That depends on
+    nothing but the arguments, so equal input takes the same way in every process.
 
     A `lean` kernel makes no array of its own, and no two of its arguments share
     memory that it writes. So it is compiled without reference counting, which is
@@ -59,7 +59,7 @@ class Kernel:
         self._entry: Callable[..., Any] = _no_entry
 
     def __call__(self, *arguments: Any) -> Any:
-        if self.short and len(arguments[0]) <= SHORT:
+        if self.short and _rows(arguments[0]) <= SHORT:
             return self.interpreted(*arguments)
         result = self._entry(*arguments)
         return self._first_call(arguments) if result is NotImplemented else result
@@ -129,6 +129,11 @@ class Kernel:
         from gcodesim.compiled.compiling import part_of
 
         return part_of(self)._numba_type_
+
+
+def _rows(first: Any) -> int:
+    """The rows of the first argument of a kernel: a column, or a tuple of columns."""
+    return len(first[0] if isinstance(first, tuple) else first)
 
 
 def as_python(kernel: F) -> F:

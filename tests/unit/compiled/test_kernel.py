@@ -141,6 +141,13 @@ def test_few_rows_are_interpreted_and_many_are_compiled() -> None:
     assert ways == ["plain", "plain", "compiled"]
 
 
+def test_rows_of_a_tuple_are_those_of_its_columns() -> None:
+    one = Kernel(doubled.py_func, short=True)  # type: ignore[attr-defined]
+    one.__dict__ |= {"_entry": lambda columns: "compiled", "interpreted": lambda columns: "plain"}
+    assert one((np.ones(compiled.SHORT), np.ones(1))) == "plain"
+    assert one((np.ones(compiled.SHORT + 1), np.ones(1))) == "compiled"
+
+
 def run_python(code: str, **environment: str) -> str:
     done = subprocess.run(
         [sys.executable, "-c", code], env={**os.environ, **environment}, capture_output=True, text=True
