@@ -17,12 +17,9 @@ from numpy.typing import NDArray
 from gcodesim.arithmetic.distinct import distinct
 from gcodesim.executor.window import LONGEST_CHORD, MOST_PARTS
 from gcodesim.frozen import frozen
-from gcodesim.motion.curve_kernels import ROUND, STRAIGHT
-from gcodesim.motion.pieces import PART
 
 if TYPE_CHECKING:
     from gcodesim.executor.tasks import Only
-    from gcodesim.motion.pieces import Pieces
     from gcodesim.motion.trajectory import Trajectory
     from gcodesim.planning import Plan
     from gcodesim.shop import Shop
@@ -45,12 +42,14 @@ class Pacing:
     """Steps are whole numbers of ticks, `dt_ns` each.
 
     `reach` [m] is the longest way of the tip in a step at feed; None: every tick is a step. `period`: a step ends with
-    every multiple of so many ticks, because the log wants to know what is there; 0: nobody does.
+    every multiple of so many ticks, because the log wants to know what is there; 0: nobody does. `at_one_rate`: all of
+    a step has one acceleration, since a force is asked of it; else a step is as much of a row as `reach` allows.
     """
 
     dt_ns: int
     reach: float | None = None
     period: int = 0
+    at_one_rate: bool = True
 
     def windows(
         self, plan: Plan, rapid: Flags, first: int, last: int, most: int, stops: Sequence[int] = ()
@@ -95,10 +94,16 @@ class Pacing:
             way = self.reach / np.maximum(fastest * (self.dt_ns * 1e-9), 1e-12)
             most = float(max(last - first, 1))
             whole = np.clip(np.where(rapid[row], most, way), 1.0, most).astype(np.int64)
-            straight, timed = _forms(trajectory.pieces)
-            piece = phases.piece[own]
-            whole[turns | timed[piece] | (rapid[row] & ~straight[piece])] = 1
+            pieces, piece = trajectory.pieces, phases.piece[own]
+            # a rapid goes along any other than a line in one chord a step, and what runs by a clock tells no way
+            by_ticks = turns | pieces.are_timed[piece] | (rapid[row] & ~pieces.are_lines[piece])
+            whole[by_ticks] = 1
             whole[phases.event[own] >= 0] = int(most)
+            if not self.at_one_rate:
+                alike = (row, phases.event[own], by_ticks)
+                anew = np.flatnonzero(np.append(True, np.any([np.diff(each) != 0 for each in alike], axis=0)))
+                begin, end, whole = begin[anew], np.append(begin[anew[1:]], end[-1]), np.minimum.reduceat(whole, anew)
+                gain = np.zeros(len(begin))
         count = np.maximum(-(-(end - begin) // whole), 0)
         place = np.arange(int(count.sum())) - np.repeat(np.cumsum(count) - count, count)
         within = np.repeat(begin, count) + place * np.repeat(whole, count)
@@ -110,15 +115,6 @@ class Pacing:
         ticks = distinct(np.concatenate(wanted))
         kept: Ints = ticks[(ticks >= first) & (ticks <= last)]
         return kept
-
-
-def _forms(pieces: Pieces) -> tuple[Flags, Flags]:
-    """The pieces (m,) that are parts of lines, and those that run by a clock.
-
-    A rapid goes along any other than a line in one chord a step, and what runs by a clock tells no way.
-    """
-    form = pieces.curves.kind[pieces.curve]
-    return (form == STRAIGHT) & (pieces.kind == PART), (form != STRAIGHT) & (form != ROUND)
 
 
 def may_follow_path(shop: Shop, only: Only | None = None) -> bool:
@@ -146,11 +142,11 @@ def may_follow_path(shop: Shop, only: Only | None = None) -> bool:
     return all((process.shaping if only == "shape" else process).by_path for process in processes)
 
 
-def cell_reach(shop: Shop) -> float:
-    """The longest way [m] of a step: a cell of the finest stock, as far as the engagement looks ahead.
+def cell_reach(shop: Shop, cells: int = 1) -> float:
+    """The longest way [m] of a step: so many cells of the finest stock; one is as far as the engagement looks ahead.
 
     Over a table that moves a step is one chord.
     """
     stocks = shop.stocks.values()
     chord = [CHORD_OVER_TABLE for placed in stocks if shop.scene.moves(placed.frame)]
-    return min([LONGEST_WAY, *chord, *(placed.stock.cell for placed in stocks)])
+    return min([LONGEST_WAY, *chord, *(cells * placed.stock.cell for placed in stocks)])

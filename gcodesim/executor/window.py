@@ -168,6 +168,7 @@ def window_of(plan: Plan, rows: RowColumns, ticks: Ints, dt_ns: int, carry: Carr
     # each step by its own speed: no number may depend on where windows begin and end
     speed = np.where(rows.rapid[row], 0.0, np.abs(middle.speed))
     parts = np.clip(np.ceil(speed * dt / LONGEST_CHORD), 1, MOST_PARTS).astype(np.int64)
+    parts[(np.diff(ticks) > 1) & trajectory.along_lines(times)] = 1  # stretches of path are the same however divided
     knot_time = distinct(np.concatenate([_refined(times, parts), trajectory.boundaries(times[0], times[-1])]))
     at_knots = trajectory.sample(knot_time)
     samples = at_knots.at(np.searchsorted(knot_time, times[1:]))

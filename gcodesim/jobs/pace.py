@@ -11,6 +11,9 @@ from gcodesim.observation.schedule import stations_of
 
 LONGEST_PERIOD_NS: Final = 10 * NS
 
+SHAPE_CELLS: Final = 4
+"""Cells of the finest stock in a step where only the shape is asked for: so exactly is told what part of a way cuts."""
+
 
 def pacing_of(job: Job) -> Pacing:
     """The steps of a job: what its cell says; else stretches of path where that changes nothing else, or ticks."""
@@ -18,8 +21,9 @@ def pacing_of(job: Job) -> Pacing:
     tick = job.cell.simulation.step_ns
     if not _follows_path(job):
         return Pacing(dt_ns=tick)
-    looked_at = 0 if job.options.only == "shape" else log_period_ns(job) // tick
-    return Pacing(dt_ns=tick, reach=cell_reach(job.shop), period=looked_at)
+    if job.options.only == "shape":
+        return Pacing(dt_ns=tick, reach=cell_reach(job.shop, SHAPE_CELLS), at_one_rate=False)
+    return Pacing(dt_ns=tick, reach=cell_reach(job.shop), period=log_period_ns(job) // tick)
 
 
 def log_period_ns(job: Job) -> int:

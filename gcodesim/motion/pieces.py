@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import field
+from functools import cached_property
 from typing import Final
 
 import numpy as np
@@ -10,6 +11,7 @@ from numpy.typing import NDArray
 
 from gcodesim.frames import Array
 from gcodesim.frozen import frozen
+from gcodesim.motion.curve_kernels import ROUND, STRAIGHT
 from gcodesim.motion.curves import Curves
 from gcodesim.motion.piece_kernels import PieceColumns, points
 from gcodesim.motion.tool_path import ToolPath
@@ -75,6 +77,19 @@ class Pieces:
 
     def __len__(self) -> int:
         return len(self.curve)
+
+    @cached_property
+    def are_lines(self) -> NDArray[np.bool_]:
+        """Which of them (m,) are parts of lines."""
+        line: NDArray[np.bool_] = (self.curves.kind[self.curve] == STRAIGHT) & (self.kind == PART)
+        return line
+
+    @cached_property
+    def are_timed(self) -> NDArray[np.bool_]:
+        """Which of them (m,) run by a clock."""
+        form = self.curves.kind[self.curve]
+        timed: NDArray[np.bool_] = (form != STRAIGHT) & (form != ROUND)
+        return timed
 
     def points(self, piece: NDArray[np.intp] | NDArray[np.int32], s: Array) -> tuple[Array, Array]:
         """Positions (k, 6) and their derivatives by s (k, 6) at `s` (k,) on pieces `piece` (k,)."""

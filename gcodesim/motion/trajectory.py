@@ -248,6 +248,20 @@ class Trajectory:
         ends: Array = p.time[1:][change]
         return ends
 
+    def along_lines(self, times: Array) -> NDArray[np.bool_]:
+        """Whether it goes along lines alone between consecutive `times` (n + 1,): (n,)."""
+        if not len(self.phases.time):
+            return np.ones(len(times) - 1, dtype=bool)
+        piece = self.phases.piece[self._phases_at(times)]
+        count = self._others_than_lines
+        line: NDArray[np.bool_] = count[piece[1:] + 1] == count[piece[:-1]]
+        return line
+
+    @cached_property
+    def _others_than_lines(self) -> NDArray[np.int64]:
+        """How many pieces before each, and in all, are no parts of lines."""
+        return np.concatenate([[0], np.cumsum(~self._pieces_or_rest.are_lines)])
+
     @cached_property
     def _pieces_or_rest(self) -> Pieces:
         """The pieces; for a path that only waits, one piece at its start."""

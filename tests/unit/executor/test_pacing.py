@@ -73,6 +73,23 @@ def test_steps_end_with_rows_and_go_no_farther_than_asked() -> None:
         assert way[~rapid[middle.row] & (np.diff(whole) > 1)].max() < 0.5e-3 * 1.001
 
 
+def test_where_no_force_is_asked_a_step_is_as_much_of_a_row_as_it_may_reach() -> None:
+    job = job_of(CELL, only="shape")
+    plan = job.plan
+    assert plan is not None
+    rapid = np.isin(plan.path.kind, (0, 3))
+    steps = -(-plan.trajectory.duration_ns // TICK)
+    pacings = (Pacing(dt_ns=TICK, reach=2e-3, at_one_rate=at_one_rate) for at_one_rate in (False, True))
+    few, many = (np.concatenate([*each.windows(plan, rapid, 0, steps, 1 << 31)]) for each in pacings)
+    assert pacing_of(job) == Pacing(dt_ns=TICK, reach=2e-3, at_one_rate=False)
+    assert few[0] == 0 and few[-1] == steps and len(few) < 0.9 * len(many)
+    assert np.isin(plan.trajectory.row_ns[0] // TICK, few).all()
+    ends = plan.trajectory.sample((few * TICK).astype(float) * 1e-9)
+    way = np.linalg.norm(np.diff(ends.position[:, :3], axis=0), axis=1)
+    middle = plan.trajectory.sample(0.5 * (ends.time[1:] + ends.time[:-1]))
+    assert 1.5e-3 < way[~rapid[middle.row] & (np.diff(few) > 1)].max() < 2e-3 * 1.001
+
+
 @pytest.mark.parametrize("most", [3, 50, 1 << 31])
 def test_windows_are_no_longer_than_asked_and_follow_each_other(most: int, monkeypatch: pytest.MonkeyPatch) -> None:
     job = job_of(CELL)
@@ -147,7 +164,7 @@ def test_who_waits_for_ticks_gets_them() -> None:
     assert pacing_of(job_of(CELL)).reach == pytest.approx(0.5e-3)
     for cell in (CLOCK, CELL + "log: {period: 20 ms}\n", BENDS, ARM):
         assert pacing_of(job_of(cell)).reach is None
-    assert pacing_of(job_of(BENDS, only="shape")) == Pacing(dt_ns=TICK, reach=pytest.approx(0.5e-3))
+    assert pacing_of(job_of(BENDS, only="shape")) == Pacing(dt_ns=TICK, reach=pytest.approx(2e-3), at_one_rate=False)
     bullet = prepare(job_of(CELL).program, job_of(CELL).loaded, Options(world="bullet"))
     assert pacing_of(bullet).reach is None
 

@@ -11,6 +11,7 @@ from gcodesim.cell.loader import read_cell
 from gcodesim.diagnostics import SourceText
 from gcodesim.executor.tasks import RowColumns
 from gcodesim.executor.window import LONGEST_CHORD, StepWindow, first_carry, window_of
+from gcodesim.motion.tool_path import ARC
 from gcodesim.planning.plan import Plan
 from gcodesim.simulation import Options, prepare
 
@@ -67,6 +68,20 @@ def test_pieces_in_a_feed_are_short_and_each_lies_in_one_row(plan: Plan) -> None
     assert length[feed].max() < 1.2 * LONGEST_CHORD  # the speed is that of the middle of a step
     share = whole.piece_share
     assert ((share[:, 0] <= share[:, 1]) & (share[:, 0] >= 0.0) & (share[:, 1] <= 1.0)).all()
+
+
+def test_lines_are_not_divided_within_steps_that_are_stretches_of_path(plan: Plan) -> None:
+    rows = RowColumns.of(plan.path)
+    count = int(-(-plan.trajectory.duration_ns // (8 * MS)))
+    ticks = np.append(np.arange(0, count, 4), count)
+    window = window_of(plan, rows, ticks, 8 * MS, first_carry(plan, rows))
+
+    length = np.linalg.norm(window.piece_end - window.piece_start, axis=1)
+    on_arc = plan.path.kind[window.piece_row] == ARC
+    assert 1.2e-3 < length[~on_arc & ~rows.rapid[window.piece_row]].max() < 1.7e-3  # 50 mm/s for 32 ms
+    assert length[on_arc].max() < 1.6 * LONGEST_CHORD  # the speed is that of the middle of a step
+    place = np.cumsum(length[~rows.rapid[window.piece_row]])[-1]
+    assert place == pytest.approx(0.01 + 1.5 * np.pi * 0.01 + 0.02 + 0.03, abs=1e-4)  # the corners are cut short
 
 
 @pytest.mark.parametrize("most", [7, 64])
