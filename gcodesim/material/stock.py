@@ -99,6 +99,7 @@ class Stock:
     `first_walls` are those at the start, of a stock that was cut before.
     `doses` is what beams have given each column per area, (nx, ny), by the name of what is meant.
     `parting` looks in a run for pieces that come loose.
+    `ridges` are the ways of round tools by patches of columns (`ridge_kernels`), None before the first one.
     """
 
     __slots__ = (
@@ -111,6 +112,7 @@ class Stock:
         "original",
         "parting",
         "resolution",
+        "ridges",
         "turn",
         "z_range",
     )
@@ -136,6 +138,7 @@ class Stock:
         self.doses: dict[str, Array] = {}
         self.original = original if original is not None else _copied(columns)
         self.first_walls: Singles | None = None
+        self.ridges: Array | None = None
         nx, ny = columns.number.shape
         patches = (-(-nx // PATCH), -(-ny // PATCH))
         self.field = Field(
@@ -301,7 +304,7 @@ class Stock:
         It falls with the square of the cell, at round edges with its power 1.5 (`error_kernels`). Held against closed
         forms, it is not exceeded, and three to ten times the error of the like on other grids; a lucky grid may do
         better. What slips between the columns is not included: cuts, and what is left beside them or beside a border,
-        that are narrower than a cell, and rows of cuts with the very pitch of the cells.
+        that are narrower than a cell. Ridges between rows of ball and bull noses are (`ridge_kernels`).
         """
         if self.lattice is not None:
             from gcodesim.material.lattice_surface import volume_error
@@ -313,7 +316,13 @@ class Stock:
         change = np.zeros(columns.number.shape)
         if changes(columns, self.original, change) == 0.0:
             return 0.0
-        return float(error_bound(self.field._replace(walls=self._new_walls()), change))
+        walls = self._new_walls()
+        bound = float(error_bound(self.field._replace(walls=walls), change))
+        if self.ridges is None:
+            return bound
+        from gcodesim.material.ridge_kernels import ridge_error
+
+        return bound + float(ridge_error(self.field._replace(walls=walls), change, self.ridges))
 
     def _new_walls(self) -> Singles:
         """The walls without what of them stood at the start, since that is on both sides of the change.
@@ -348,6 +357,7 @@ class Stock:
         twin.turn, twin.exact = self.turn.copy(), self.exact
         twin.doses = {name: dose.copy() for name, dose in self.doses.items()}
         twin.lattice = None if self.lattice is None else self.lattice.copy()
+        twin.ridges = None if self.ridges is None else self.ridges.copy()
         return twin
 
     def memento(self) -> Callable[[], None]:
@@ -355,11 +365,13 @@ class Stock:
         kept = _kept(self.field)
         lattice = None if self.lattice is None else self.lattice.copy()
         doses = {name: dose.copy() for name, dose in self.doses.items()}
+        ridges = None if self.ridges is None else self.ridges.copy()
 
         def restore() -> None:
             self.field = kept()
             self.doses = {name: dose.copy() for name, dose in doses.items()}
             self.lattice = None if lattice is None else lattice.copy()
+            self.ridges = None if ridges is None else ridges.copy()
 
         return restore
 
@@ -396,8 +408,19 @@ class Stock:
         while True:
             done = remove(self.field, starts, ends, shape, others, done, found)
             if done == len(starts):
+                self.note_way(starts, ends, found.volume, shape)
                 return Removal(**found._asdict())
             self.grow()
+
+    def note_way(self, starts: Array, ends: Array, took: Array, shape: Shape) -> None:
+        """Remember pieces (c, 3) [m] of an upright tool that took material (c,), if round: that may leave ridges."""
+        if shape.corner <= 0.0 or not (took > 0.0).any():
+            return
+        from gcodesim.material.ridge_kernels import RIDGE_PLANES, note_way
+
+        if self.ridges is None:
+            self.ridges = np.zeros((RIDGE_PLANES, *self.field.dirty.shape))
+        note_way(self.field.grid, starts, ends, took, 1.0 / shape.corner, self.ridges)
 
     def sweep(self, way: AxisWay, slabs: Array) -> Array:
         """Cut along c pieces with an axis of any direction, which may turn; volume (c,) [m^3] that each takes.

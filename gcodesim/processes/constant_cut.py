@@ -344,7 +344,10 @@ def end_mill_forces(
 
 
 def _peak_angles(cutter: Cutter, cut: ConstantCut, whole_turn: bool) -> list[float]:
-    """Angles of tooth 0 [rad] at which peaks are looked for: over one pitch, and where contact begins or ends."""
+    """Angles of tooth 0 [rad] at which peaks are looked for: over one pitch, and beside those of entry and exit.
+
+    A tooth that comes in may also lower a component of the force: then the most is what the others give just before.
+    """
     pitch = 2.0 * pi / cutter.flutes
     start, end = cut.limits(cutter.diameter)
     heights = [0.0, cut.ap] if cutter.up_cut is None else [0.0, min(cutter.up_cut, cut.ap), cut.ap]
@@ -352,7 +355,9 @@ def _peak_angles(cutter: Cutter, cut: ConstantCut, whole_turn: bool) -> list[flo
     even = [i * pitch / _TURN_ANGLES for i in range(_TURN_ANGLES)]
     found = []
     for tooth, at in enumerate(starts_of(cutter)[:turns].tolist()):
-        corners = [angle + lag for angle in (start + 1e-9, end - 1e-9) for lag in late[tooth].tolist()]
+        corners = [
+            limit + aside + lag for limit in (start, end) for aside in (-1e-9, 1e-9) for lag in late[tooth].tolist()
+        ]
         found += [angle + tooth * pitch for angle in even] + [angle - at for angle in corners]
     return found
 

@@ -48,8 +48,6 @@ _SLICES: Final = 32
 """Cylinders in place of a cone that bends."""
 _ANGLE: Final = 3.0 * DEG
 """Steps of entry and exit for which the limit of chatter is computed."""
-_SLOWEST: Final = 59
-"""The last lobe that is looked at; below it the limit is that of any speed."""
 
 
 def sections_of(cutter: Cutter) -> list[BeamSection]:
@@ -130,10 +128,7 @@ class CutterLoad:
         """Stable depth times tangential coefficient [N/m] at an engagement and a speed."""
         known = self._depths.get((*place, spindle))
         if known is None:
-            limit = self._limit(place)
-            known = limit.depth_at(spindle)
-            if known == inf and len(limit.depth) and spindle < float(limit.speed(_SLOWEST).max()):
-                known = limit.limit[0]
+            known = self._limit(place).depth_at(spindle)
             self._depths[(*place, spindle)] = known
         return known
 

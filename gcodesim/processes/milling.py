@@ -222,13 +222,18 @@ class Milling(Process):
 
     def run_packed(self, stock: Stock, motion: Motion, state: ProcessState) -> Array:
         """The same for an upright tool, along Z only."""
-        from gcodesim.processes.milling_kernels import OUTPUTS, mill
+        from gcodesim.processes.milling_kernels import OUTPUTS, REMOVED, mill
 
         steps = len(motion.spindle)
         out = np.zeros((steps, OUTPUTS))
         while True:
             done = mill(stock.view(motion.axis[0]), self.packed_tool, motion, self._room, state.values, out)
             if done == steps:
+                shape = self.packed_tool.cutter
+                if shape.corner > 0.0:
+                    took = np.repeat(out[:, REMOVED], np.diff(motion.first_piece))
+                    own = slice(int(motion.first_piece[0]), int(motion.first_piece[-1]))
+                    stock.note_way(motion.starts[own], motion.ends[own], took, shape)
                 return out
             stock.grow()
 

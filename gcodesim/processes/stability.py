@@ -8,6 +8,7 @@ speed and period doubling in thin cuts are left out.
 from __future__ import annotations
 
 from math import inf, pi, sqrt
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +18,7 @@ from gcodesim.frozen import frozen
 
 Array = NDArray[np.float64]
 
-_SPREAD = 4001  # chatter frequencies that are tried
+_EVEN, _NEAR = 2001, 2001  # chatter frequencies that are tried: between the limits, and around each mode
 _BELOW, _ABOVE = 0.5, 2.0  # of the natural frequencies, between which they lie
 
 
@@ -41,40 +42,48 @@ class Mode:
 class Lobes:
     """n points of the stability limit before lobes are counted: chatter frequency [Hz], depth [m], phase [rad].
 
-    Neighbours are `step` [Hz] apart where nothing is missing between them. Lobe k of a point is at `speed(k)`.
+    `goes_on` (n - 1): whether the next point is the neighbour on the same curve. Lobe k of a point is at `speed(k)`.
     """
 
     frequency: Array
     depth: Array
     phase: Array
+    goes_on: NDArray[np.bool_]
     teeth: int
-    step: float
 
     @property
     def limit(self) -> tuple[float, float]:
-        """The depth [m] that is stable at any speed, infinite if all are, and the chatter frequency [Hz] there."""
+        """The depth [m] that is stable at any speed, infinite if all are, and the chatter frequency [Hz] there.
+
+        Between points it is the least of the parabola through the lowest and its neighbours.
+        """
         if not len(self.depth):
             return inf, 0.0
         least = int(np.argmin(self.depth))
+        if 0 < least < len(self.depth) - 1 and self.goes_on[least - 1] and self.goes_on[least]:
+            return _lowest(self.frequency[least - 1 : least + 2], self.depth[least - 1 : least + 2])
         return float(self.depth[least]), float(self.frequency[least])
 
     def speed(self, k: int) -> Array:
         """Speeds (n,) [rad/s] of lobe k: one tooth passes in (phase + 2 k pi) / chatter frequency."""
         return 2.0 * pi * self.frequency * 2.0 * pi / (self.teeth * (self.phase + 2.0 * pi * k))
 
-    def depth_at(self, spindle: float, most: int = 60) -> float:
-        """The depth [m] up to which a cut at `spindle` [rad/s] is stable: the lowest of its lobes."""
-        found = inf
-        gaps = np.diff(self.frequency)
-        for k in range(most):
-            speed = self.speed(k)
-            before, after = speed[:-1] - spindle, speed[1:] - spindle
-            at = np.flatnonzero((before * after <= 0.0) & (gaps > 0.0) & (gaps < 1.5 * self.step))
-            for i in at:
-                wide = before[i] - after[i]
-                part = before[i] / wide if wide != 0.0 else 0.0
-                found = min(found, float(self.depth[i] + part * (self.depth[i + 1] - self.depth[i])))
-        return found
+    def depth_at(self, spindle: float) -> float:
+        """The depth [m] up to which a cut at `spindle` [rad/s] is stable, infinite if any is: the lowest of its lobes.
+
+        Waves from one tooth to the next, less the phase, are a whole number k, from 0, on lobe k.
+        """
+        if not len(self.depth):
+            return inf
+        waves = self.frequency * (2.0 * pi / (self.teeth * spindle)) - self.phase / (2.0 * pi)
+        a, b = waves[:-1], waves[1:]
+        first, last = np.maximum(np.ceil(np.minimum(a, b)), 0.0), np.floor(np.maximum(a, b))
+        at = np.flatnonzero(self.goes_on & (first <= last))
+        if not len(at):
+            return inf
+        wide = np.where(b[at] == a[at], 1.0, b[at] - a[at])
+        low, high = self.depth[at], self.depth[at + 1]
+        return min(float((low + (k[at] - a[at]) / wide * (high - low)).min()) for k in (first, last))
 
 
 def lobes(x: Mode, y: Mode, *, ktc: float, ratio: float, teeth: int, entry: float, exit: float) -> Lobes:
@@ -83,7 +92,7 @@ def lobes(x: Mode, y: Mode, *, ktc: float, ratio: float, teeth: int, entry: floa
     Contact runs from `entry` to `exit` [rad], clockwise from left of the feed. Altintas and Budak 1995, eqs. 14 to 24.
     """
     xx, xy, yx, yy = _factors(ratio, exit) - _factors(ratio, entry)
-    frequency = np.linspace(_BELOW * min(x.frequency, y.frequency), _ABOVE * max(x.frequency, y.frequency), _SPREAD)
+    frequency = _tried(x, y)
     ax, bx = x.response(frequency)
     ay, by = y.response(frequency)
     # a0 L^2 + a1 L + 1 = 0 in complex numbers, as real and imaginary parts
@@ -94,20 +103,43 @@ def lobes(x: Mode, y: Mode, *, ktc: float, ratio: float, teeth: int, entry: floa
     size = np.sqrt(dr * dr + di * di)
     rr = np.sqrt(np.maximum(0.5 * (size + dr), 0.0))
     ri = np.copysign(np.sqrt(np.maximum(0.5 * (size - dr), 0.0)), di)
-    found: list[tuple[Array, Array, Array]] = []
-    for sign in (1.0, -1.0):
+    turned = np.append(False, rr[1:] * rr[:-1] + ri[1:] * ri[:-1] < 0.0)
+    way = np.where(np.logical_xor.accumulate(turned), -1.0, 1.0)  # the root goes on smoothly, and each curve with it
+    found: list[tuple[NDArray[Any], ...]] = []
+    for family, sign in enumerate((way, -way)):
         pr, pi_ = -(a1r + sign * rr), -(a1i + sign * ri)
         below = 2.0 * (a0r * a0r + a0i * a0i)
         lr, li = (pr * a0r + pi_ * a0i) / below, (pi_ * a0r - pr * a0i) / below
         kappa = li / lr
         depth = -2.0 * pi * lr / (teeth * ktc) * (1.0 + kappa * kappa)
-        good = depth > 0.0
+        good = np.flatnonzero(depth > 0.0)
         phase = np.array([pi - 2.0 * atan(value) for value in kappa[good]])
-        found.append((frequency[good], depth[good], phase))
+        found.append((frequency[good], depth[good], phase, good + family * (len(frequency) + 1)))
     chosen = [np.concatenate(parts) for parts in zip(*found, strict=True)]
     return Lobes(
-        frequency=chosen[0], depth=chosen[1], phase=chosen[2], teeth=teeth, step=float(frequency[1] - frequency[0])
-    )
+        frequency=chosen[0], depth=chosen[1], phase=chosen[2], goes_on=np.diff(chosen[3]) == 1, teeth=teeth
+    )  # fmt: skip
+
+
+def _tried(x: Mode, y: Mode) -> Array:
+    """Frequencies (n,) [Hz], rising: closest where a mode answers most sharply, a thousandth of its damping apart."""
+    low, high = _BELOW * min(x.frequency, y.frequency), _ABOVE * max(x.frequency, y.frequency)
+    around = np.linspace(-1.0, 1.0, _NEAR)
+    parts = [np.linspace(low, high, _EVEN)]
+    parts += [mode.frequency * (1.0 + mode.damping * around + around * around * around) for mode in (x, y)]
+    every = np.unique(np.concatenate(parts))
+    return every[(every >= low) & (every <= high)]
+
+
+def _lowest(x: Array, y: Array) -> tuple[float, float]:
+    """The least value, and where it is, of the parabola through three points of which the middle one is lowest."""
+    left, right = (y[1] - y[0]) / (x[1] - x[0]), (y[2] - y[1]) / (x[2] - x[1])
+    bend = (right - left) / (x[2] - x[0])
+    if not bend > 0.0:
+        return float(y[1]), float(x[1])
+    slope = left + bend * (x[1] - x[0])
+    aside = -0.5 * slope / bend
+    return float(y[1] + (slope + bend * aside) * aside), float(x[1] + aside)
 
 
 def _factors(ratio: float, phi: float) -> Array:

@@ -182,20 +182,54 @@ def test_the_bound_of_drawn_forms() -> None:
 @pytest.mark.parametrize("pitch", [0.3, 0.39, 0.6, 0.75, 0.983, 1.0, 1.3, 1.5, 2.0, 2.5])
 @pytest.mark.parametrize("cell", [0.5, 0.25, 0.13])
 def test_ball_raster(pitch: float, cell: float) -> None:
-    """Rows of cusps, of which a grid with a like pitch sees only some heights; the pitch is above that of the grid."""
-    if pitch <= cell:
-        pytest.skip("the columns cannot see rows as narrow as they are")
+    """Rows of cusps, of which a grid with a like pitch sees only some heights, or always the same."""
     rows = np.arange(-5.02, 55, pitch)
     stock = Stock.box((0, 0, -15 * MM), (80 * MM, 50 * MM, 0), cell * MM)
     for y in rows:
         cut(stock, [[-9, y, -1], [89, y, -1]], shape.ball(6 * MM, 30 * MM))
-    ends = np.r_[0.0, [y for y in 0.5 * (rows[1:] + rows[:-1]) if 0 < y < 50], 50.0]
-    nearest = rows[np.abs(rows[:, None] - 0.5 * (ends[1:] + ends[:-1])).argmin(axis=0)]
-    under = lambda u: 0.5 * (u * np.sqrt(9 - u * u) + 9 * np.arcsin(u / 3))  # noqa: E731
-    cusps = 3 * (ends[1:] - ends[:-1]) - (under(ends[1:] - nearest) - under(ends[:-1] - nearest))
-    exact = 80 * (50 - float(cusps.sum()))
+    exact = 80 * (50 - cusps_of(rows, 50.0, 3.0))
 
     assert abs(60_000 - stock.volume / MM3 - exact) <= stock.error_bound() / MM3
+
+
+@pytest.mark.parametrize("share", [0.25, 1.0 / 3.0, 0.5, 0.51, 0.75, 0.99, 1.0, 1.003, 1.02, 2.026])
+@pytest.mark.parametrize("along", [0, 1])
+def test_rows_that_meet_every_column_alike(share: float, along: int) -> None:
+    """Ridges that no height shows: the bound was down to 1e-5 of the error."""
+    radius, deep, shares = 3.0, 1.0, []
+    for cell, off in ((0.31, 0.0), (0.31, 0.4), (0.47, 0.13), (0.2, 0.5)):
+        size = [20 * cell, 60 * cell]
+        stock = Stock.box((0, 0, -6 * MM), (size[along] * MM, size[1 - along] * MM, 0), cell * MM)
+        pitch = share * cell
+        rows = np.arange((off - 20) * pitch - 2 * radius, size[1] + 2 * radius, pitch)
+        for row in rows:
+            ends = np.array([[-9.0, row, -deep], [size[0] + 9.0, row, -deep]])
+            cut(stock, ends if along == 0 else ends[:, [1, 0, 2]], shape.ball(2 * radius * MM, 30 * MM))
+        exact = size[0] * (size[1] * deep - float(cusps_of(rows, size[1], radius)))
+        error = abs(size[0] * size[1] * 6 - stock.volume / MM3 - exact)
+        shares.append(error * MM3 / stock.error_bound())
+    assert max(shares) <= 1.0
+
+
+def cusps_of(rows: np.ndarray, width: float, radius: float) -> float:
+    """Section [mm²] of what a ball leaves between rows along a face of some width."""
+    ends = np.r_[0.0, [y for y in 0.5 * (rows[1:] + rows[:-1]) if 0 < y < width], width]
+    nearest = rows[np.abs(rows[:, None] - 0.5 * (ends[1:] + ends[:-1])).argmin(axis=0)]
+    under = lambda u: 0.5 * (u * np.sqrt(radius**2 - u * u) + radius**2 * np.arcsin(u / radius))  # noqa: E731
+    return float((radius * (ends[1:] - ends[:-1]) - (under(ends[1:] - nearest) - under(ends[:-1] - nearest))).sum())
+
+
+def test_a_floor_of_another_tool_has_no_ridges() -> None:
+    """A flat mill clears what a ball has cut in close rows; the bound is what it is without them."""
+    bounds = []
+    for first in (True, False):
+        stock = Stock.box((0, 0, -15 * MM), (40 * MM, 30 * MM, 0), 0.25 * MM)
+        for y in np.arange(-4, 34, 0.2) if first else ():
+            cut(stock, [[-9, y, -1], [49, y, -1]], shape.ball(6 * MM, 30 * MM))
+        for y in np.arange(0, 31, 5):
+            cut(stock, [[-9, y, -2], [49, y, -2]], shape.flat(8 * MM, 30 * MM))
+        bounds.append(stock.error_bound())
+    assert bounds[0] == bounds[1]
 
 
 def test_a_straight_wall_is_exact_and_says_so() -> None:
