@@ -22,6 +22,7 @@ _SAFETY: Final = 1.3  # what a curve leaves its chord by, over what it does so a
 _ROUNDS: Final = 5  # in which stretches are divided at the most
 _MOST_PARTS: Final = 64  # of one stretch in one round
 _SHARES: Final = (0.25, 0.5, 0.75)
+_BLOCK: Final = 5_000  # stretches that are asked at once: a program of an hour has a hundred times as many
 
 JointsAt = Callable[[Array], Array]
 """Joints (n, j) at times (n,) [s], which increase."""
@@ -63,10 +64,14 @@ def _leaves(joints: JointsAt, begin: Array, end: Array, q0: Array, q1: Array) ->
 
     at three places of each stretch.
     """
-    inner = np.stack([begin + share * (end - begin) for share in _SHARES], axis=1)
-    q = joints(inner.ravel()).reshape(len(q0), len(_SHARES), -1)
-    off = [np.abs(q[:, i] - q0 - share * (q1 - q0)) for i, share in enumerate(_SHARES)]
-    most: Array = _SAFETY * np.maximum.reduce(off)
+    most = np.empty_like(q0)
+    for first in range(0, len(q0), _BLOCK):
+        rows = slice(first, first + _BLOCK)
+        low, high, t0, t1 = q0[rows], q1[rows], begin[rows], end[rows]
+        inner = np.stack([t0 + share * (t1 - t0) for share in _SHARES], axis=1)
+        q = joints(inner.ravel()).reshape(len(low), len(_SHARES), -1)
+        off = [np.abs(q[:, i] - low - share * (high - low)) for i, share in enumerate(_SHARES)]
+        most[rows] = _SAFETY * np.maximum.reduce(off)
     return most
 
 

@@ -18,7 +18,10 @@ from gcodesim.world.protocol import WorldUnavailable
 _LONGEST: Final = 30_000
 """Points of a body that pybullet's window takes; larger bodies are drawn in pieces."""
 
-_MOUSE_BUTTON, _LEFT, _PRESSED = 2, 0, 3
+_MOUSE_BUTTON, _LEFT = 2, 0
+_TRIGGERED: Final = 1 << 1
+"""Of the states of a button: a press and its release are one event for who looks only after both."""
+
 _SHIFT: Final = 1 << 0
 
 
@@ -79,7 +82,7 @@ class BodyWindow:
     def clicks(self) -> Iterator[tuple[Array, Array]]:
         """Rays of the clicks since the last call: where the eye is (3,), and the direction (3,), in the world."""
         for kind, x, y, button, state in self._p.getMouseEvents(physicsClientId=self._client):
-            if kind == _MOUSE_BUTTON and button == _LEFT and state == _PRESSED:
+            if kind == _MOUSE_BUTTON and button == _LEFT and state & _TRIGGERED:
                 yield self._ray(x, y)
 
     def _ray(self, x: float, y: float) -> tuple[Array, Array]:

@@ -97,6 +97,27 @@ def test_a_click_says_what_is_there_and_where_the_cell_says_so(
         window.close()
 
 
+@pytest.mark.parametrize(
+    ("state", "clicks"),
+    [
+        (p.KEY_IS_DOWN | p.KEY_WAS_TRIGGERED, 1),
+        (p.KEY_IS_DOWN | p.KEY_WAS_TRIGGERED | p.KEY_WAS_RELEASED, 1),  # let go before anybody looked
+        (p.KEY_WAS_TRIGGERED | p.KEY_WAS_RELEASED, 1),
+        (p.KEY_IS_DOWN, 0),
+        (p.KEY_WAS_RELEASED, 0),
+    ],
+)
+def test_a_click_counts_however_late_one_looks(state: int, clicks: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    window = BodyWindow(hidden=True)
+    try:
+        events = [(1, 3.0, 4.0, -1, 0), (2, 10.0, 20.0, 0, state), (2, 10.0, 20.0, 1, state)]
+        monkeypatch.setattr(window._p, "getMouseEvents", lambda physicsClientId: events)
+        monkeypatch.setattr(window, "_ray", lambda x, y: (x, y))
+        assert list(window.clicks()) == [(10.0, 20.0)] * clicks
+    finally:
+        window.close()
+
+
 def test_the_run_is_the_same_as_without_a_window(folder: Path) -> None:
     _, window, _ = _shown(folder, folder / "seen")
     window.close()
