@@ -41,23 +41,25 @@ CHORD_OVER_TABLE: Final = 2.0 * LONGEST_CHORD
 class Pacing:
     """Steps are whole numbers of ticks, `dt_ns` each.
 
-    `reach` [m] is the longest way of the tip in a step at feed; None: every tick is a step. `period`: a step ends with
-    every multiple of so many ticks, because the log wants to know what is there; 0: nobody does. `at_one_rate`: all of
-    a step has one acceleration, since a force is asked of it; else a step is as much of a row as `reach` allows.
+    `reach` [m] is the longest way of the tip in a step at feed; None: every tick is a step. `pace`: a step ends with
+    every multiple of so many ticks; 0: none does so. `period`: the log looks within steps, with every multiple of so
+    many ticks; 0: at the ends of steps alone. `at_one_rate`: all of a step has one acceleration, since a force is asked
+    of it; else a step is as much of a row as `reach` allows.
     """
 
     dt_ns: int
     reach: float | None = None
+    pace: int = 0
     period: int = 0
     at_one_rate: bool = True
 
     def windows(
         self, plan: Plan, rapid: Flags, first: int, last: int, most: int, stops: Sequence[int] = ()
     ) -> Iterator[Ints]:
-        """Ticks `first` to `last` in windows of at most `most` ticks: (n + 1,) for n steps, which end with [1:].
+        """Ticks `first` to `last` in windows of about `most` ticks: (n + 1,) for n steps, which end with [1:].
 
-        `rapid` are the rows of the plan's path that are rapids. A window of single ticks ends with each of `stops`,
-        too.
+        A window ends with the first step that comes to a multiple of `most`. `rapid` are the rows of the plan's path
+        that are rapids. A window of single ticks ends with each of `stops`, too.
         """
         if self.reach is None:
             borders = sorted({*range(first, last, min(most, MOST_STEPS)), *stops, last})
@@ -67,8 +69,8 @@ class Pacing:
         ticks = self._ticks(plan.trajectory, rapid, first, last)
         at, count = 0, len(ticks) - 1
         while at < count:
-            looked = int(np.searchsorted(ticks, ticks[at] + most, side="right")) - 1
-            end = min(max(looked, at + 1), at + MOST_STEPS, count)
+            wanted = (int(ticks[at]) // most + 1) * most
+            end = min(int(np.searchsorted(ticks, wanted)), at + MOST_STEPS, count)
             yield ticks[at : end + 1]
             at = end
 
@@ -110,8 +112,8 @@ class Pacing:
         rows = trajectory.row_ns[0] // self.dt_ns if len(path) else np.zeros(0, dtype=np.int64)
         peaks = (gain[:-1] > 0.0) & (gain[1:] < 0.0)  # at full speed for a moment only: within the tick that follows
         wanted = [within, end, end[:-1][peaks] + 1, rows, np.array([first, last])]
-        if self.period:
-            wanted.append(np.arange(first // self.period, last // self.period + 1, dtype=np.int64) * self.period)
+        if self.pace:
+            wanted.append(np.arange(first // self.pace, last // self.pace + 1, dtype=np.int64) * self.pace)
         ticks = distinct(np.concatenate(wanted))
         kept: Ints = ticks[(ticks >= first) & (ticks <= last)]
         return kept

@@ -150,8 +150,12 @@ class Track:
         number: int = 0,
         parts: PartRun | None = None,
         loose: LooseBodies | None = None,
+        period: int = 0,
     ) -> None:
-        """`passes` are those at each stock, kept for all channels; `number` is that of this one."""
+        """`passes` are those at each stock, kept for all channels; `number` is that of this one.
+
+        `period`: see `Pacing`.
+        """
         plan, shop = brought.plan, brought.shop
         self.parts, self._loose = parts, loose
         self.load: dict[str, tuple[Pose, MassOfSkin]] = {}
@@ -160,6 +164,7 @@ class Track:
             parts.devices.follow(shop.channel, plan)
         self.plan, self.shop, self.watcher = plan, shop, brought.watcher
         self.rows = RowColumns.of(plan.path, shop)
+        self._period = 0 if brought.watcher is None else period
         self._inspect, self._dt_ns, self._bodies = brought.inspect, dt_ns, brought.bodies
         self._sheet = shop.sheet
         self._totals = RowTotals.zeros(len(self.rows.tool), self._sheet)
@@ -215,16 +220,21 @@ class Track:
         return first_carry(self.plan, self.rows, first * self._dt_ns)
 
     def window(self, ticks: Ints, carry: Carry) -> StepWindow:
-        return window_of(self.plan, self.rows, ticks, self._dt_ns, carry, asked=self.world.tells_efforts)
+        asked = self.world.tells_efforts
+        return window_of(self.plan, self.rows, ticks, self._dt_ns, carry, asked=asked, period=self._period)
 
     def run_world(self, window: StepWindow, begin: int, end: int, wrench: Array | None = None) -> WorldSteps:
-        """Move through steps `begin` to `end`, in which the tool feels `wrench` (n, 6), base axes."""
+        """Move through steps `begin` to `end`, in which the tool feels `wrench` (n, 6), base axes.
+
+        Returns what happens at their ends, and when the log looks at them: at the moments of `AskedTicks`.
+        """
         command = window.command
         if command is None:
             return self.world.run(window.q[begin:end], wrench)
-        rows, at = command.steps(begin, end)
-        felt = None if wrench is None else wrench[np.searchsorted(at, np.arange(rows.stop - rows.start))]
-        return self.world.run(command.q[rows], felt).at(at)
+        rows, moments = command.rows(begin, end), command.moments(begin, end)
+        ends = command.at[command.ends[begin:end]]
+        felt = None if wrench is None else wrench[np.searchsorted(ends, np.arange(rows.start, rows.stop))]
+        return self.world.run(command.q[rows], felt).at(command.at[moments] - rows.start)
 
     def cut(self, window: StepWindow, *, looks: bool) -> WindowCut:
         """A window, divided where the tool changes or begins or ceases to be kept from cutting; nothing is cut yet.
@@ -303,8 +313,10 @@ class Track:
             self.load[hold.body] = (hold.X, parts.masses[hold.body])
 
     def take(self, cut: WindowCut, steps: WorldSteps) -> StepRecord:
-        """Take over what was done in a window."""
-        window = cut.window
+        """Take over what was done in a window: `steps` at the ends of its steps, or at the moments of `AskedTicks`."""
+        window, looked = cut.window, None
+        if window.command is not None:
+            looked, steps = steps.at(window.command.looks), steps.at(window.command.ends)
         feeds = ~self.rows.rapid[window.row] & (window.samples.event < 0)
         record = record_of(window, steps, cut.stints, self._sheet, self._standing, feeds)
         if steps.gear is not None:
@@ -318,6 +330,8 @@ class Track:
             self._accuracy.add(record, ends)
             if self._swings is not None:
                 self._swings.add(record, ends)
+        if window.looks is not None:
+            record = replace(record, looked=looked)
         self._standing = record.standing
         if self._bodies is not None:
             for stretch in cut.stretches:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from gcodesim.arithmetic.distinct import distinct
 from gcodesim.arithmetic.matrices import norms
+from gcodesim.executor.looks import Looks, looks_of
 from gcodesim.executor.tasks import RowColumns
 from gcodesim.frames import Array
 from gcodesim.frozen import frozen
@@ -47,36 +48,48 @@ class Carry:
 
 @frozen(eq=False)
 class AskedTicks:
-    """Joints `q` (m, j) commanded at the last three ticks of each step, as far as they are in its window.
+    """Joints `q` (k, j) commanded at three ticks up to each of m moments, as far as they are in their window.
 
-    `at` (n,) says which of them ends each step. They are what speeds and accelerations at the ends of long steps
-    follow from, the same as if every tick were a step.
+    The moments are the ends of n steps, and those at which the log looks. `at` (m,) says which rows of `q` they are,
+    `ends` (n,) which moments end steps, `looks` those of the log. Three ticks are what speeds and accelerations follow
+    from, the same as if every tick were a step.
     """
 
     q: Array
     at: Ints
+    ends: Ints
+    looks: Ints
 
-    def steps(self, begin: int, end: int) -> tuple[slice, Ints]:
-        """The rows for steps `begin` to `end`, and which of these rows end them."""
-        first = int(self.at[begin - 1]) + 1 if begin else 0
-        return slice(first, int(self.at[end - 1]) + 1), self.at[begin:end] - first
+    def moments(self, begin: int, end: int) -> slice:
+        """The moments in steps `begin` to `end`."""
+        return slice(int(self.ends[begin - 1]) + 1 if begin else 0, int(self.ends[end - 1]) + 1)
+
+    def rows(self, begin: int, end: int) -> slice:
+        """The rows of `q` in steps `begin` to `end`."""
+        first = int(self.at[self.ends[begin - 1]]) + 1 if begin else 0
+        return slice(first, int(self.at[self.ends[end - 1]]) + 1)
 
 
-def command_of(plan: Plan, ticks: Ints, dt_ns: int) -> AskedTicks:
-    """What a world is asked in steps between `ticks` (n + 1,)."""
-    ends = ticks[1:]
-    asked = distinct(np.concatenate([ends - 2, ends - 1, ends]))
+def command_of(plan: Plan, ticks: Ints, looked: Ints, dt_ns: int) -> AskedTicks:
+    """What a world is asked in steps between `ticks` (n + 1,) at which the log looks at ticks `looked`."""
+    moments = distinct(np.concatenate([ticks[1:], looked]))
+    asked = distinct(np.concatenate([moments - 2, moments - 1, moments]))
     asked = asked[asked > ticks[0]]
     samples = plan.trajectory.sample((asked * dt_ns).astype(float) * 1e-9)
-    return AskedTicks(q=plan.joints(samples), at=np.searchsorted(asked, ends))
+    return AskedTicks(
+        q=plan.joints(samples),
+        at=np.searchsorted(asked, moments),
+        ends=np.searchsorted(moments, ticks[1:]),
+        looks=np.searchsorted(moments, looked),
+    )
 
 
 @frozen(eq=False)
 class StepWindow:
     """n steps: step k begins with tick `ticks[k]` of the clock and ends with tick `ticks[k + 1]`; `ticks` (n + 1,).
 
-    `dt` (n,) [s] is how long each of them is. `command` are the ticks at which the world is asked; None: at the end of
-    each step.
+    `dt` (n,) [s] is how long each of them is. `command` are the ticks at which the world is asked, `looks` those at
+    which the log looks; None: at the end of each step.
 
     `samples` at the ends of the steps; `row` (n,) is the path row in the middle
     of each, where the machine stands the next one; `rests` (n,) says where it
@@ -112,6 +125,7 @@ class StepWindow:
     others: dict[str, Array] = field(default_factory=dict)
     others_begin: dict[str, Array] = field(default_factory=dict)
     command: AskedTicks | None = None
+    looks: Looks | None = None
     bends: Callable[[float], Bend]
 
     @property
@@ -149,10 +163,12 @@ def first_carry(plan: Plan, rows: RowColumns, t_ns: int = 0) -> Carry:
     return Carry(tool=int(rows.tool[row[0]]), shift=shift, gap=gap, tip=tip, q=q[0])
 
 
-def window_of(plan: Plan, rows: RowColumns, ticks: Ints, dt_ns: int, carry: Carry, *, asked: bool = True) -> StepWindow:
+def window_of(
+    plan: Plan, rows: RowColumns, ticks: Ints, dt_ns: int, carry: Carry, *, asked: bool = True, period: int = 0
+) -> StepWindow:
     """Sample the steps between `ticks` (n + 1,) of `dt_ns` each; `carry` is brought to the end of the window.
 
-    `asked`: whether a world is asked about speeds, so that it has to be told single ticks.
+    `asked`: whether a world is asked about speeds, so that it has to be told single ticks. `period`: see `Pacing`.
 
     The plan's path is in base axes, so the control point needs no transform.
     """
@@ -190,6 +206,8 @@ def window_of(plan: Plan, rows: RowColumns, ticks: Ints, dt_ns: int, carry: Carr
     within = np.column_stack([knot_time[:-1] - times[step], knot_time[1:] - times[step]])
     share = np.clip(within / dt[step, None], 0.0, 1.0)
     bend = gap[step] - gap_before[step]
+    long = asked and ticks[-1] - ticks[0] != count
+    looks = looks_of(plan, ticks, row, period, dt_ns) if long and period else None
     begin, end = knots[:-1] - (knot_shift[:-1] - shift[step]), knots[1:] - (knot_shift[1:] - shift[step])
     window = StepWindow(
         ticks=ticks,
@@ -209,7 +227,8 @@ def window_of(plan: Plan, rows: RowColumns, ticks: Ints, dt_ns: int, carry: Carr
         piece_row=np.clip(trajectory.rows_at(centre), 0, last),
         piece_filament=trajectory.filament_between(at_knots),
         bends=_bends(plan, at_knots.at(np.searchsorted(knot_time, times[:-1])), norms(gap - gap_before) > STILL),
-        command=command_of(plan, ticks, dt_ns) if asked and ticks[-1] - ticks[0] != count else None,
+        command=command_of(plan, ticks, ticks[:0] if looks is None else looks.ticks, dt_ns) if long else None,
+        looks=looks,
     )
     carry.tool, carry.shift, carry.gap, carry.tip, carry.q = int(tool[-1]), shift[-1], gap[-1], tip[-1], q[-1]
     return window

@@ -296,15 +296,20 @@ class Recorder:
 
     def _write_down(self, record: StepRecord, found: Sequence[Diagnostic], seen: Seen | tuple[()]) -> None:
         window = record.window
-        ends = window.ticks[1:] * self._step_ns
-        logged = np.flatnonzero(ends % self._period_ns == 0)
-        self._begin_blocks(int(ends[-1]))
-        self._reporter.until(int(ends[-1]), found, begin_ns=self._now_ns + 1)
-        self._texts.until(int(ends[-1]))
-        self._tool_shown.take(record, logged, self._now_ns, ends)
-        self._moves_of_pieces(record, int(ends[-1]))
-        self._write(record, ends[logged], logged)
-        self._now_ns = int(ends[-1])
+        end_ns = window.end * self._step_ns
+        if window.looks is not None:
+            t_ns, at = window.looks.ticks * self._step_ns, window.looks.step
+        else:
+            ends = window.ticks[1:] * self._step_ns
+            at = np.flatnonzero(ends % self._period_ns == 0)
+            t_ns = ends[at]
+        self._begin_blocks(end_ns)
+        self._reporter.until(end_ns, found, begin_ns=self._now_ns + 1)
+        self._texts.until(end_ns)
+        self._tool_shown.take(record, t_ns, at, self._now_ns)
+        self._moves_of_pieces(record, end_ns)
+        self._write(record, t_ns, at)
+        self._now_ns = end_ns
         tiles, films = seen or ((), ())
         for index, glimpse in enumerate(tiles):
             self._draw(self._now_ns, index, glimpse.draw())
@@ -370,7 +375,7 @@ class Recorder:
             self._writer.sensed(at_ns, LOOSE.name, entities_update(at_ns, entities))
 
     def _write(self, record: StepRecord, t_ns: Any, at: Any) -> None:
-        """The log instants `t_ns` (m,), which are steps `at` (m,) of the record."""
+        """The log instants `t_ns` (m,), which are in steps `at` (m,) of the record."""
         self._instants.add(record, t_ns, at)
         if self._instants.worth_writing:
             self._write_instants()

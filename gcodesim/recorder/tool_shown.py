@@ -64,19 +64,19 @@ class ToolShown:
         self._tool_times = self._known_times()
         self._plumes.follow(plan.path)
 
-    def take(self, record: StepRecord, logged: NDArray[np.intp], from_ns: int, ends: NDArray[np.int64]) -> None:
-        """A window of n steps from `from_ns` on that end at `ends` (n,) [ns]; the log has its instants at `logged`."""
-        switches = self._switches(record, ends[logged], logged)
+    def take(self, record: StepRecord, t_ns: NDArray[np.int64], logged: NDArray[np.intp], from_ns: int) -> None:
+        """A window from `from_ns` on; the log has its instants at times `t_ns` (m,), in steps `logged` (m,)."""
+        switches = self._switches(record, t_ns, logged)
         if self._tool_times:
-            self._known_changes(from_ns, int(ends[-1]), switches)
+            self._known_changes(from_ns, record.window.end * self._step_ns, switches)
         else:
             self._changes_in(record.window, at_start=False)
-        self._moves_of_fingers(record, ends, logged)
-        for t_ns, number, is_on in switches:
-            self._switched = (t_ns, number, is_on)
+        self._moves_of_fingers(record, t_ns, logged)
+        for at_ns, number, is_on in switches:
+            self._switched = (at_ns, number, is_on)
             if number == self._tool or not self._tool_times:  # it may have been changed since then
                 tool = self._shop.tool(number)
-                self._draw(t_ns, tool, plume=plume_shapes(tool) if is_on else ())
+                self._draw(at_ns, tool, plume=plume_shapes(tool) if is_on else ())
 
     def end(self, t_ns: int) -> None:
         """Draw the tool as it is after the last words of the program, when no step is left."""
@@ -121,11 +121,11 @@ class ToolShown:
             waiting = tools_in_stands(self._shop, {in_use, *(times.at(t_ns)[0] for times in self._tool_times[1:])})
         self.writer.tool(t_ns, (*tool_shapes(tool, opening), *plume), self._frame, waiting)
 
-    def _moves_of_fingers(self, record: StepRecord, ends: NDArray[np.int64], logged: NDArray[np.intp]) -> None:
+    def _moves_of_fingers(self, record: StepRecord, t_ns: NDArray[np.int64], logged: NDArray[np.intp]) -> None:
         """Draw a gripper anew when its fingers stand elsewhere than in the instant before."""
         if "opening" not in record.columns:
             return
-        for k in logged.tolist():
+        for at_ns, k in zip(t_ns.tolist(), logged.tolist(), strict=True):
             tool = self._shop.tool(int(record.window.tool[k]))
             if not isinstance(tool, Gripper) or not tool.widest:
                 continue
@@ -133,7 +133,7 @@ class ToolShown:
             if (tool.number, opening) != self._fingers:
                 self._fingers = (tool.number, opening)
                 if tool.number == self._tool:
-                    self._draw(int(ends[k]), tool, opening)
+                    self._draw(at_ns, tool, opening)
 
     def _switches(self, record: StepRecord, t_ns: Any, logged: NDArray[np.intp]) -> Sequence[Switch]:
         """When in a window tools are seen to be switched on or off."""

@@ -60,7 +60,7 @@ def test_steps_end_with_rows_and_go_no_farther_than_asked() -> None:
     rapid = np.isin(plan.path.kind, (0, 3))
     steps = -(-plan.trajectory.duration_ns // TICK)
     for period in (0, 5, 7):
-        own = Pacing(dt_ns=TICK, reach=0.5e-3, period=period)
+        own = Pacing(dt_ns=TICK, reach=0.5e-3, pace=period)
         whole = np.unique(np.concatenate(list(own.windows(plan, rapid, 0, steps, 1 << 31))))
 
         assert whole[0] == 0 and whole[-1] == steps and len(whole) < 0.7 * steps
@@ -91,19 +91,22 @@ def test_where_no_force_is_asked_a_step_is_as_much_of_a_row_as_it_may_reach() ->
 
 
 @pytest.mark.parametrize("most", [3, 50, 1 << 31])
-def test_windows_are_no_longer_than_asked_and_follow_each_other(most: int, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_windows_end_when_asked_and_follow_each_other(most: int, monkeypatch: pytest.MonkeyPatch) -> None:
     job = job_of(CELL)
     plan = job.plan
     assert plan is not None
     rapid = np.isin(plan.path.kind, (0, 3))
     steps = -(-plan.trajectory.duration_ns // TICK)
-    own = Pacing(dt_ns=TICK, reach=0.5e-3, period=5)
+    own = Pacing(dt_ns=TICK, reach=0.5e-3, pace=5)
     monkeypatch.setattr(pacing, "MOST_STEPS", 1 << 31)
     (whole,) = own.windows(plan, rapid, 0, steps, 1 << 31)
     monkeypatch.setattr(pacing, "MOST_STEPS", 40)
     parts = list(own.windows(plan, rapid, 0, steps, most))
 
-    assert all(len(part) <= 41 and (part[-1] - part[0] <= most or len(part) == 2) for part in parts)
+    for part in parts:
+        wanted = (part[0] // most + 1) * most
+        assert len(part) <= 41 and part[-2] < wanted
+        assert part[-1] >= wanted or len(part) == 41 or part[-1] == steps
     assert [part[0] for part in parts[1:]] == [part[-1] for part in parts[:-1]]
     assert np.array_equal(np.unique(np.concatenate(parts)), whole)
 
@@ -151,6 +154,36 @@ def test_an_interrupted_or_divided_run_is_the_same(tmp_path: Path, monkeypatch: 
     assert divided.execution.steps == whole.execution.steps == whole.execution.planned
 
 
+def test_how_often_the_log_looks_shows_in_no_number(tmp_path: Path) -> None:
+    usual = run_texts(PROGRAM, CELL, None)
+    for period in (4, 20, 36, 100):
+        ran = run_texts(PROGRAM, CELL + f"log: {{period: {period} ms}}\n", tmp_path / str(period))
+        for name, values in seen(usual).items():
+            assert np.array_equal(seen(ran)[name], values), name
+        assert ran.execution.steps == usual.execution.steps
+        assert np.array_equal(ran.execution.joints.effort, usual.execution.joints.effort)
+
+
+def test_the_log_looks_within_steps(tmp_path: Path) -> None:
+    """What it says of motion is that of ticks; volumes grow evenly within steps, and no peak is lost."""
+    period = "log: {period: 12 ms}\n"
+    path, ticks = (run_texts(PROGRAM, cell + period, tmp_path / str(len(cell))) for cell in (CELL, CLOCK))
+    assert pacing_of(path.job).period == 3
+    assert np.array_equal(path.times("/motion"), ticks.times("/motion")) and len(path.times("/motion")) > 4000
+    assert path.execution.steps == ticks.execution.steps
+    for topic, field, allowed in (  # [m, m/s, m³]
+        ("/tcp", "pose.position.x", 1e-9),
+        ("/motion", "feed_m_s", 1e-6),
+        ("/motion", "feed_command_m_s", 1e-9),
+        ("/process", "removed_m3", 5e-10),
+    ):
+        one, other = path.column(topic, field), ticks.column(topic, field)
+        assert one == pytest.approx(other, abs=allowed), (topic, field)
+    for field, column in (("max_force_n", "force"), ("max_torque_nm", "torque")):
+        one, other = path.column("/process", field), path.execution.rows[column]
+        assert one.max() == pytest.approx(other.max(), rel=1e-6), field
+
+
 BENDS = CELL.replace("length: 60", "length: 60, substrate: carbide")
 ARM = """gcodesim: 1
 robots: {arm: {model: kuka_kr10_r1100_2, home: [0, -90, 90, 0, 90, 0]}}
@@ -162,7 +195,7 @@ tools: {1: {type: ball_end_mill, diameter: 8, length: 60}}
 
 def test_who_waits_for_ticks_gets_them() -> None:
     assert pacing_of(job_of(CELL)).reach == pytest.approx(0.5e-3)
-    for cell in (CLOCK, CELL + "log: {period: 20 ms}\n", BENDS, ARM):
+    for cell in (CLOCK, BENDS, ARM):
         assert pacing_of(job_of(cell)).reach is None
     assert pacing_of(job_of(BENDS, only="shape")) == Pacing(dt_ns=TICK, reach=pytest.approx(2e-3), at_one_rate=False)
     bullet = prepare(job_of(CELL).program, job_of(CELL).loaded, Options(world="bullet"))
@@ -174,3 +207,19 @@ def test_a_long_program_is_logged_less_often_than_a_short_one() -> None:
     assert log_period_ns(short) == 20_000_000
     assert log_period_ns(long) == 80_000_000 and log_period_ns(long) % TICK == 0
     assert log_period_ns(job_of(CLOCK, PROGRAM.replace("P0.5", "P1800"))) == 20_000_000
+
+
+def test_a_log_may_look_seldom(both: tuple[Ran, Ran], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Windows in which it does not look at all are a part of what it says afterwards."""
+    often, _ = both
+    monkeypatch.setattr(pacing, "MOST_STEPS", 13)
+    ran = run_texts(PROGRAM, CELL + "log: {period: 2 s}\n", tmp_path / "out")
+
+    end = ran.execution.steps * TICK * 1e-9
+    assert ran.times("/process") == pytest.approx(np.append(np.arange(0.0, end, 2.0), end))
+    for field in ("removed_m3", "force_n", "power_w"):
+        few, many = ran.column("/process", field)[:-1], often.column("/process", field)
+        assert few == pytest.approx(many[: 100 * len(few) : 100], rel=1e-9, abs=1e-20), field
+    peaks = often.column("/process", "max_force_n")[:, 0]
+    wanted = [peaks[max(100 * k - 99, 0) : 100 * k + 1].max() for k in range(len(few))]
+    assert ran.column("/process", "max_force_n")[:-1, 0] == pytest.approx(wanted, rel=1e-9)
