@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.arithmetic.batches import batches
-from gcodesim.diagnostics import Findings
 from gcodesim.frames import Array
 from gcodesim.frozen import frozen
 from gcodesim.motion.blend_kernels import NORMAL_SHARE
@@ -20,6 +19,7 @@ from gcodesim.planning.flange import Flange
 from gcodesim.planning.jerk import softer
 from gcodesim.planning.kinks import Kinks
 from gcodesim.planning.loads import Loads, Slowing
+from gcodesim.planning.moments import PathFindings
 from gcodesim.planning.nodes import Nodes
 from gcodesim.planning.reach import report_slow_joints
 
@@ -99,13 +99,13 @@ class ArmCaps:
         parts = np.ceil(np.sqrt(self.found.unresolved / _ROUGH))
         return np.where(self.exact & (self.length > _SHORTEST), np.maximum(parts, 1.0), 1.0)
 
-    def report(self, kinematics: Kinematics, findings: Findings) -> None:
+    def report(self, kinematics: Kinematics, findings: PathFindings) -> None:
         """Tell where joints keep the feed down."""
         exact, found = self.exact, self.found
         report_slow_joints(
             kinematics,
             self.pieces,
-            self.piece[exact],
+            (self.piece[exact], self.begin[exact]),
             self.wanted[exact],
             found.wanted[exact],
             found.joint[exact],
@@ -130,13 +130,14 @@ class ArmCaps:
                     continue
                 k, qd, along, across = part.start + some, qd[some], along[some], across[some]
                 at = q[nodes.segments[k] - (not at_end)]
+                s = self.begin[k] + self.length[k] if at_end else self.begin[k]
                 static, ahead, behind = loads.efforts(
                     tool[k], at, (0.0, 0.0), (qd, across + along), (qd, across - along)
                 )
                 push = 0.5 * (ahead - behind)
                 moved = (ahead, behind, static + push, static - push)
                 reserve = loads.reserve(tool[k], at, qd, feeding[k])
-                slowing = loads.slowing(self.piece[k], static, *moved, reserve=reserve)
+                slowing = loads.slowing((self.piece[k], s), static, *moved, reserve=reserve)
                 share[k] = np.minimum(share[k], slowing.share)
                 why.append(slowing.needed)
         found = self.found._replace(

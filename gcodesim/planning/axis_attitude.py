@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 
 from gcodesim.arithmetic.matrices import greatest
 from gcodesim.canon import Axes
-from gcodesim.diagnostics import Findings
 from gcodesim.frames import Array, Pose
 from gcodesim.frozen import frozen
 from gcodesim.kinematics.tool_point import ToolPoint
@@ -33,11 +32,12 @@ from gcodesim.planning.bent_ways import report_bent_rapids, report_jumps
 from gcodesim.planning.feeds import report_fast_feeds
 from gcodesim.planning.jerk import softer
 from gcodesim.planning.kinks import Kinks
+from gcodesim.planning.moments import PathFindings
 from gcodesim.planning.plan import JointExtremes, JointPath
 from gcodesim.planning.posing import Posed
 from gcodesim.planning.reach import report_slow_joints
 from gcodesim.planning.surface_axis import SurfaceAxis, Tipped, WordsAlong
-from gcodesim.planning.travel import axis_ranges, report_missing_axes, report_travel
+from gcodesim.planning.travel import TravelEnds, axis_ranges, report_missing_axes, report_travel
 
 if TYPE_CHECKING:
     from gcodesim.kinematics.protocol import Kinematics
@@ -116,7 +116,7 @@ class AxisAttitude:
         """Where the control point stands at `home` (j,), without tool offset: a program begins by its axes."""
         return axes_at(kinematics.joints.names, home)
 
-    def pose(self, path: ToolPath, kinematics: Kinematics, home: Array, findings: Findings) -> Posed:
+    def pose(self, path: ToolPath, kinematics: Kinematics, home: Array, findings: PathFindings) -> Posed:
         """Joints within their limits wherever the tip is commanded; positions outside the travel are reported."""
         held = np.array([state.control == Commanded.POINT for state in path.states])[path.state]
         soft = bool(np.isfinite(kinematics.joints.jerk).any())
@@ -143,13 +143,13 @@ class AxisAttitude:
                 values[:, tool.columns] = q
                 np.fmin.at(low, row, values)
                 np.fmax.at(high, row, values)
-        report_travel(path, tool.columns, joints, findings, (low, high))
+        report_travel(path, tool.columns, TravelEnds.of(joints), findings, (low, high))
         report_bent_rapids(pieces, findings)
         caps = _caps(kinematics, way, segments, (q0, q1), findings)
         start = np.array(axes_at(joints.names, home))
         return Posed(pieces, AttitudeJoints(way, start, low, high), caps)
 
-    def _turning(self, pieces: Pieces, held: NDArray[np.bool_], findings: Findings) -> WordsAlong | None:
+    def _turning(self, pieces: Pieces, held: NDArray[np.bool_], findings: PathFindings) -> WordsAlong | None:
         """Rotary axes along the pieces where a surface gives the tool axis."""
         if self.surface is None or not len(pieces):
             return None
@@ -233,7 +233,9 @@ def _ranges(path: ToolPath, tool: ToolPoint, held: NDArray[np.bool_]) -> tuple[A
     return low, high
 
 
-def _caps(kinematics: Kinematics, tips: TipWay, segments: Segments, q: tuple[Array, Array], findings: Findings) -> Caps:
+def _caps(
+    kinematics: Kinematics, tips: TipWay, segments: Segments, q: tuple[Array, Array], findings: PathFindings
+) -> Caps:
     """Caps of the segments where the tip is commanded, and of all other pieces as blending found them."""
     pieces, held = tips.pieces, tips.held
     joints, piece, length = kinematics.joints, segments.piece, segments.length
@@ -264,7 +266,8 @@ def _caps(kinematics: Kinematics, tips: TipWay, segments: Segments, q: tuple[Arr
     junction = np.minimum(np.where(last, pieces.junction[piece], np.inf), found.speed)
     kinks = Kinks.between(rates, junction, pieces.ratio[piece], follows, acceleration)
     tip = held[pieces.row_first[piece]]
-    report_slow_joints(kinematics, pieces, piece[tip], wanted[tip], found.wanted[tip], found.joint[tip], findings)
+    places = (piece[tip], segments.begin[tip])
+    report_slow_joints(kinematics, pieces, places, wanted[tip], found.wanted[tip], found.joint[tip], findings)
     others = np.setdiff1d(np.arange(len(pieces)), piece)
     junction = np.minimum(junction, kinks.cap)
     order = np.argsort(np.concatenate([piece, others]), kind="stable")

@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.canon import AXIS_LETTERS, Axes
-from gcodesim.diagnostics import Findings
 from gcodesim.frames import Array
 from gcodesim.frozen import frozen
 from gcodesim.motion.blend import along_limits, blend
@@ -20,9 +19,10 @@ from gcodesim.motion.tool_path import Commanded, ToolPath
 from gcodesim.motion.trajectory import Samples
 from gcodesim.planning.bent_ways import report_bent_rapids
 from gcodesim.planning.feeds import report_fast_feeds
+from gcodesim.planning.moments import PathFindings
 from gcodesim.planning.plan import JointExtremes, JointPath
 from gcodesim.planning.posing import Posed
-from gcodesim.planning.travel import axis_ranges, report_missing_axes, report_travel
+from gcodesim.planning.travel import TravelEnds, axis_ranges, report_missing_axes, report_travel
 
 if TYPE_CHECKING:
     from gcodesim.kinematics.chain import Joints
@@ -105,13 +105,13 @@ class AxisPosing:
         """Where the control point stands at `home` (j,), without tool offset."""
         return axes_at(kinematics.joints.names, home)
 
-    def pose(self, path: ToolPath, kinematics: Kinematics, home: Array, findings: Findings) -> Posed:
+    def pose(self, path: ToolPath, kinematics: Kinematics, home: Array, findings: PathFindings) -> Posed:
         """Limits of the axes act along the direction of motion; positions outside the travel are reported."""
         joints = kinematics.joints
         axes = axes_of_joints(joints.names)
         limits = limits_of_axes(joints)
         report_missing_axes(path, axes, findings)
-        report_travel(path, axes, joints, findings)
+        report_travel(path, axes, TravelEnds.of(joints), findings)
         report_fast_feeds(path, along_limits(Curves.of(path), limits)[0], limits.speed, findings)
         printed = is_printed(path, soft=bool(np.isfinite(joints.jerk).any()))
         if printed:

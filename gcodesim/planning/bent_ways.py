@@ -9,10 +9,11 @@ from numpy.typing import NDArray
 
 from gcodesim.arithmetic.elementary import acos
 from gcodesim.arithmetic.matrices import dots, greatest, norms
-from gcodesim.diagnostics import Diagnostic, Findings
+from gcodesim.diagnostics import Diagnostic
 from gcodesim.motion.curve_kernels import TIMED
 from gcodesim.motion.pieces import Pieces
 from gcodesim.motion.tool_path import ToolPath
+from gcodesim.planning.moments import OnBlock, OnPiece, PathFindings
 from gcodesim.units import DEG, MM
 
 if TYPE_CHECKING:
@@ -28,7 +29,7 @@ _JUMP: Final = 90.0 * DEG  # by which a rotary axis may turn more than the tool 
 _SPOT: Final = 20e-3  # [m] of a feed on which a joint of an arm may not turn by so much more
 
 
-def report_bent_rapids(pieces: Pieces, findings: Findings) -> None:
+def report_bent_rapids(pieces: Pieces, findings: PathFindings) -> None:
     """GS211: rapids in which each axis goes at its own speed, so that the way between the ends is not straight."""
     bent = np.flatnonzero(pieces.curves.kind[pieces.curve] == TIMED)
     if not len(bent):
@@ -59,11 +60,12 @@ def report_bent_rapids(pieces: Pieces, findings: Findings) -> None:
             count=len(found),
             value=float(off[worst]),
             unit="m",
-        )
+        ),
+        at=OnPiece(int(bent[found[0]]), 0.0),
     )
 
 
-def report_jumps(path: ToolPath, tool: ToolPoint, held: NDArray[np.bool_], q: Array, findings: Findings) -> None:
+def report_jumps(path: ToolPath, tool: ToolPoint, held: NDArray[np.bool_], q: Array, findings: PathFindings) -> None:
     """GS212: feed moves of the tip in which a rotary axis turns far though the tool hardly leans otherwise.
 
     `q` (2, n, j) are the joints at the start and at the end of the rows.
@@ -93,12 +95,18 @@ def report_jumps(path: ToolPath, tool: ToolPoint, held: NDArray[np.bool_], q: Ar
             value=angle,
             limit=_JUMP,
             unit="rad",
-        )
+        ),
+        at=OnBlock(int(path.block[first])),
     )
 
 
 def report_turning_joints(
-    kinematics: Kinematics, flange: FlangePoses, nodes: Nodes, q: Array, exact: NDArray[np.bool_], findings: Findings
+    kinematics: Kinematics,
+    flange: FlangePoses,
+    nodes: Nodes,
+    q: Array,
+    exact: NDArray[np.bool_],
+    findings: PathFindings,
 ) -> None:
     """GS212 on arms: a joint turns far on a short way of a feed though the tool hardly turns, as a wrist that flips.
 
@@ -137,7 +145,8 @@ def report_turning_joints(
             value=angle,
             limit=_JUMP,
             unit="rad",
-        )
+        ),
+        at=OnPiece(int(nodes.piece[begin[first]]), float(nodes.s[begin[first]])),
     )
 
 

@@ -10,9 +10,10 @@ from numpy.typing import NDArray
 
 from gcodesim.arithmetic.distinct import distinct
 from gcodesim.canon import AXIS_LETTERS
-from gcodesim.diagnostics import Diagnostic, Findings
+from gcodesim.diagnostics import Diagnostic
 from gcodesim.frames import Array
 from gcodesim.motion.tool_path import LINE, ToolPath
+from gcodesim.planning.moments import OnBlock, PathFindings
 from gcodesim.units import DEG, MINUTE, MM, MM_PER_MINUTE, RPM
 
 CRAWL: Final = MM_PER_MINUTE  # in place of a feed of zero
@@ -21,7 +22,7 @@ _THREADS: Final = frozenset(("G32", "G33", "G33.1", "G76", "G84"))
 """Motion words of moves that keep step with the spindle."""
 
 
-def without_zero_feeds(path: ToolPath, findings: Findings) -> ToolPath:
+def without_zero_feeds(path: ToolPath, findings: PathFindings) -> ToolPath:
     """`path` with a crawl where the feed is zero, each such kind of block reported once."""
     rows = np.flatnonzero(~(path.feed > 0.0))
     if not len(rows):
@@ -37,14 +38,15 @@ def without_zero_feeds(path: ToolPath, findings: Findings) -> ToolPath:
             count=len(distinct(path.block[rows])),
             value=0.0,
             unit="m/s",
-        )
+        ),
+        at=OnBlock(int(path.block[rows[0]])),
     )
     feed = path.feed.copy()
     feed[rows] = CRAWL
     return replace(path, feed=feed)
 
 
-def report_fast_feeds(path: ToolPath, possible: Array, speed: Array, findings: Findings) -> None:
+def report_fast_feeds(path: ToolPath, possible: Array, speed: Array, findings: PathFindings) -> None:
     """Note once that feeds are above `possible` (n,) [m/s, rad/s], with the worst case; a thread cannot run slower.
 
     `speed` (6,) [m/s, rad/s] is what each axis can do.
@@ -72,7 +74,8 @@ def report_fast_feeds(path: ToolPath, possible: Array, speed: Array, findings: F
             value=float(path.feed[first]),
             limit=float(possible[first]),
             unit="rad/s" if path.rotary_feed[first] else "m/s",
-        )
+        ),
+        at=OnBlock(int(path.block[first])),
     )
 
 
@@ -88,7 +91,9 @@ def _hurried(path: ToolPath, row: int, speed: Array) -> str:
     return f": {AXIS_LETTERS[axis]} would need {needed / factor:.0f} {unit} and can do {speed[axis] / factor:.0f}"
 
 
-def _report_threads(path: ToolPath, possible: Array, speed: Array, rows: NDArray[np.intp], findings: Findings) -> None:
+def _report_threads(
+    path: ToolPath, possible: Array, speed: Array, rows: NDArray[np.intp], findings: PathFindings
+) -> None:
     """GS209 for threads in `rows` whose pitch times speed is more than the axes can do."""
     if not len(rows):
         return
@@ -107,5 +112,6 @@ def _report_threads(path: ToolPath, possible: Array, speed: Array, rows: NDArray
             value=wanted,
             limit=best,
             unit="m/s",
-        )
+        ),
+        at=OnBlock(int(path.block[first])),
     )

@@ -19,7 +19,6 @@ from numpy.typing import NDArray
 from gcodesim.arithmetic.distinct import distinct
 from gcodesim.arithmetic.matrices import greatest, multiplied
 from gcodesim.canon import Axes
-from gcodesim.diagnostics import Findings
 from gcodesim.frames import Array, Pose
 from gcodesim.frozen import frozen
 from gcodesim.kinematics.attitude import Direction, WordTurns
@@ -42,6 +41,7 @@ from gcodesim.planning.guide import CHOSEN, GROUND, Guide, Outside
 from gcodesim.planning.joint_moves import SHORTEST, JointMove
 from gcodesim.planning.joint_rows import JointRows, with_joint_rows
 from gcodesim.planning.loads import Loads, Slowing
+from gcodesim.planning.moments import PathFindings
 from gcodesim.planning.nodes import Nodes
 from gcodesim.planning.obstacles import Around, Obstacles
 from gcodesim.planning.plan import JointPath
@@ -52,7 +52,7 @@ from gcodesim.planning.route_findings import ToldEnd, report_dead_end, report_ro
 from gcodesim.planning.spin_choice import SampledPath, SpinChoice, choose_spin
 from gcodesim.planning.stands import Stands
 from gcodesim.planning.surface_axis import SurfaceAxis, Tipped
-from gcodesim.planning.travel import report_missing_axes, report_travel
+from gcodesim.planning.travel import TravelEnds, report_missing_axes, report_travel
 
 if TYPE_CHECKING:
     from gcodesim.kinematics.attitude import AttitudeLaw
@@ -140,7 +140,7 @@ class FixedAttitude:
                     words[column] = float(value)
         return (float(x), float(y), float(z), words[0], words[1], words[2])
 
-    def pose(self, path: ToolPath, kinematics: Kinematics, home: Array, findings: Findings) -> Posed:
+    def pose(self, path: ToolPath, kinematics: Kinematics, home: Array, findings: PathFindings) -> Posed:
         """Where poses are out of reach, the joints run straight to where they are in reach again; a finding says so."""
         home = np.asarray(home, dtype=float)
         arm, own = (kinematics, home) if self.outside is None else self._arm_alone(home)
@@ -281,7 +281,7 @@ class FixedAttitude:
         assert values is not None
         return self.outside.assembly.together(q, values)
 
-    def _report_words(self, path: ToolPath, kinematics: Kinematics, findings: Findings) -> None:
+    def _report_words(self, path: ToolPath, kinematics: Kinematics, findings: PathFindings) -> None:
         """WordTurns that mean nothing to this arm, and external axes that leave their travel."""
         known = {0, 1, 2} | (set() if self.outside is None else {3 + int(c) for c in self.outside.columns if c >= 0})
         if self._leans(path):
@@ -289,9 +289,8 @@ class FixedAttitude:
         report_missing_axes(path, np.array(sorted(known)), findings)
         if self.outside is not None:
             chosen = np.flatnonzero(self.outside.columns != CHOSEN)
-            joints = kinematics.joints.part(self.outside.assembly.externals[chosen])
-            letters = [name.rpartition("/")[2] for name in joints.names]
-            report_travel(path, 3 + self.outside.columns[chosen], joints, findings, letters=letters)
+            travel = TravelEnds.of(kinematics.joints, self.outside.assembly.externals[chosen])
+            report_travel(path, 3 + self.outside.columns[chosen], travel, findings)
 
     def _leans(self, path: ToolPath) -> bool:
         """Whether words of the path lean the tool."""
@@ -351,7 +350,7 @@ class FixedAttitude:
         choice: SpinChoice,
         home: Array,
         simple: Solved,
-        findings: Findings,
+        findings: PathFindings,
     ) -> tuple[Flange, Solved, SpinChoice, ToldEnd]:
         """Flange, joints and where they begin, by the search over all configurations.
 

@@ -132,7 +132,7 @@ class JointMove:
         slower = replace(
             self, speed=self.peak * sqrt(k), acceleration=self.acceleration * k, jerk=self.jerk * k * sqrt(k)
         )
-        return slower, worst
+        return slower, replace(worst, s=worst.s / sqrt(k))
 
     def _asks(self, loads: Loads, tool: int, piece: int, count: int) -> tuple[float, Slowing]:
         """The greatest share of a limit that an effort takes at `count` places of the move, and what they allow."""
@@ -143,7 +143,7 @@ class JointMove:
         static, moved = loads.efforts(tools, q, (0.0, 0.0), (qd, change[:, None] * step))
         reserve = loads.reserve(tools, q, qd, np.zeros(len(looks), dtype=bool))
         most = float(((np.maximum(np.abs(static), np.abs(moved)) + reserve) / loads.limit).max())
-        return most, loads.slowing(np.full(len(looks), piece), static, moved, reserve=reserve)
+        return most, loads.slowing((np.full(len(looks), piece), looks), static, moved, reserve=reserve)
 
     def _looks(self, count: int) -> Array:
         """Times [s] at which efforts are asked for: evenly, and where speed and acceleration are greatest together.

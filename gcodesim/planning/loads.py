@@ -16,6 +16,7 @@ from gcodesim.frozen import frozen
 from gcodesim.kinematics.chain import Chain, Inertial
 from gcodesim.kinematics.dynamics import GRAVITY, efforts_of, inverse_dynamics, merge
 from gcodesim.kinematics.effort_bounds import ROUNDING, EffortBounds, effort_bounds
+from gcodesim.planning.moments import OnPiece
 
 if TYPE_CHECKING:
     from gcodesim.motion.tool_path import ToolPath
@@ -201,8 +202,10 @@ class Loads:
         R_BT = multiplied(flange[:, 0, :3, :3], push.X_FT.R)
         return np.concatenate([applied(R_BT, push.wrench[:3]), applied(R_BT, push.wrench[3:])], axis=1)
 
-    def slowing(self, piece: NDArray[np.int64], static: Array, *moved: Array, reserve: Array | float = 0.0) -> Slowing:
-        """The share of speed squared and of acceleration that is allowed at n places, which are on `piece` (n,).
+    def slowing(
+        self, place: tuple[NDArray[np.int64], Array], static: Array, *moved: Array, reserve: Array | float = 0.0
+    ) -> Slowing:
+        """The share of speed squared and of acceleration that is allowed at n places `s` (n,) of `piece` (n,).
 
         Efforts (n, j) are `static` at rest and each of `moved` at full speed and acceleration. A motion that is slowed
         evenly by k in speed squared and in acceleration takes ``static + k (moved - static)``, and `reserve` (n, j) of
@@ -230,18 +233,20 @@ class Loads:
         spare = np.where(joint >= 0, kept[rows, joint], 0.0)
         over = np.abs(static) + reserve - self.limit
         overborne = np.where((over > 0.0) & (np.abs(static) <= self.limit), over, 0.0)
-        return Slowing(piece, np.maximum(share, _LEAST), joint, most, spare, overborne)
+        return Slowing(*place, np.maximum(share, _LEAST), joint, most, spare, overborne)
 
 
 @frozen(kw_only=False, eq=False)
 class Slowing:
-    """At n places of `piece` (n,): the `share` (n,) of speed squared that motors allow, and for which `joint` (n,).
+    """At n places `s` (n,) of `piece` (n,): the `share` (n,) of speed squared that motors allow.
 
-    -1: for none. `effort` (n,) [N·m, N] is what that joint would have to give otherwise, `reserve` (n,) of it for
-    friction and the work. `overborne` (n, j) is by how much a motor that bears its joint at rest cannot bear the work.
+    `joint` (n,) is the one that needs it, -1: none does. `effort` (n,) [N·m, N] is what that joint would have to give
+    otherwise, `reserve` (n,) of it for friction and the work. `overborne` (n, j) is by how much a motor that bears its
+    joint at rest cannot bear the work.
     """
 
     piece: NDArray[np.int64]
+    s: Array
     share: Array
     joint: NDArray[np.int64]
     effort: Array
@@ -256,6 +261,12 @@ class Slowing:
     def needed(self) -> Slowing:
         """That of the places where motors need it, or cannot bear the work."""
         return self.at(np.flatnonzero((self.joint >= 0) | self.overborne.any(axis=1)))
+
+    @property
+    def first(self) -> OnPiece:
+        """The first of the places."""
+        piece = int(self.piece.min())
+        return OnPiece(piece, float(self.s[self.piece == piece].min()))
 
     @staticmethod
     def together(some: Sequence[Slowing]) -> Slowing:

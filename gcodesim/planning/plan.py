@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import field, replace
+from dataclasses import field
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
@@ -40,19 +40,6 @@ class JointExtremes:
     most: Array
     row_of_least: NDArray[np.int64]
     row_of_most: NDArray[np.int64]
-
-
-def with_times(findings: Findings, trajectory: Trajectory) -> Findings:
-    """The same findings, each with the time [s] at which its block begins."""
-    out = Findings()
-    path = trajectory.path
-    for finding in findings:
-        time = finding.time
-        if time is None and finding.span in path.spans:
-            row = int(np.argmax(path.source == path.spans.index(finding.span)))
-            time = float(trajectory.row_start[row])
-        out.add(replace(finding, time=time))
-    return out
 
 
 @frozen(slots=False, kw_only=False, eq=False)

@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Protocol
 
 from gcodesim.canon import Axes
-from gcodesim.diagnostics import Findings
 from gcodesim.frames import Array, Pose
 from gcodesim.frozen import frozen
 from gcodesim.motion.look_ahead import LookAhead
@@ -15,7 +14,8 @@ from gcodesim.motion.standing import Duration
 from gcodesim.motion.timing import Caps, time_law
 from gcodesim.motion.tool_path import Commanded, ToolPath
 from gcodesim.planning.feeds import without_zero_feeds
-from gcodesim.planning.plan import JointPath, Plan, with_times
+from gcodesim.planning.moments import PathFindings
+from gcodesim.planning.plan import JointPath, Plan
 
 if TYPE_CHECKING:
     from gcodesim.kinematics.protocol import Kinematics
@@ -45,7 +45,7 @@ class Posing(Protocol):
         """Where the controlled point is in M when the joints are at `home` (j,), without tool length offset."""
         ...
 
-    def pose(self, path: ToolPath, kinematics: Kinematics, home: Array, findings: Findings) -> Posed:
+    def pose(self, path: ToolPath, kinematics: Kinematics, home: Array, findings: PathFindings) -> Posed:
         """Lay out `path`, given in M, for a machine that stands at `home` (j,) first.
 
         What does not fit is added to `findings` and still laid out, so that everything is found at once.
@@ -79,8 +79,8 @@ def plan_path(
     unknown = {state.control for state in path.states} - posing.understands
     if unknown:
         raise ValueError(f"{type(posing).__name__} cannot be commanded by {', '.join(sorted(unknown))}")
-    findings = Findings()
+    findings = PathFindings()
     path = without_zero_feeds(path, findings)
     posed = posing.pose(path, kinematics, home, findings)
     trajectory = time_law(posed.pieces, posed.caps, duration_of=duration_of, look_ahead=look_ahead)
-    return Plan(trajectory, with_times(findings, trajectory), kinematics, posed.joints, tool_frames or {})
+    return Plan(trajectory, findings.timed(trajectory, posed.joints), kinematics, posed.joints, tool_frames or {})

@@ -9,11 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.arithmetic.distinct import distinct
-from gcodesim.diagnostics import Diagnostic, Findings
+from gcodesim.diagnostics import Diagnostic
 from gcodesim.frames import Array
 from gcodesim.kinematics.pointing import ALL_SIDES
 from gcodesim.kinematics.protocol import Status
 from gcodesim.motion.pieces import Pieces
+from gcodesim.planning.moments import OnPiece, PathFindings
 from gcodesim.planning.nodes import Nodes
 from gcodesim.planning.spin_choice import SampledPath, SpinChoice
 from gcodesim.units import DEG, MM, MM_PER_MINUTE
@@ -58,7 +59,7 @@ def report_poses(
     choice: SpinChoice,
     home: Array,
     told: ToldEnd,
-    findings: Findings,
+    findings: PathFindings,
 ) -> None:
     """One finding for each kind of pose out of reach: where, why, how many blocks, and which shift would help.
 
@@ -74,10 +75,11 @@ def report_poses(
         if shift is None:
             shift = _shift_that_fits(kinematics, probe, choice, home)
         first = int(np.argmax(bad))
-        X, previous, share = _where_it_begins(kinematics, flange, nodes, q, first, value, home)
+        X, previous, s = _where_it_begins(kinematics, flange, nodes, q, first, value, home)
         reason = kinematics.reason(X, previous, value)
         pieces = flange.pieces
-        row = int(pieces.row_last[nodes.piece[first]])
+        piece = int(nodes.piece[first])
+        row, share = int(pieces.row_last[piece]), _share_of(pieces, piece, s)
         blocks = _blocks(pieces, nodes.piece[bad])
         further = f", and {blocks - 1} further block{'s' if blocks > 2 else ''}" if blocks > 1 else ""
         findings.add(
@@ -90,7 +92,8 @@ def report_poses(
                 value=None if reason.what is None else reason.value,
                 limit=None if reason.what is None else reason.limit,
                 unit=None if reason.what is None else reason.unit,
-            )
+            ),
+            at=OnPiece(piece, s),
         )
 
 
@@ -121,13 +124,11 @@ def _too_few(joints: Joints) -> str:
 def _where_it_begins(
     kinematics: Kinematics, flange: FlangePoses, nodes: Nodes, q: Array, node: int, value: int, home: Array
 ) -> tuple[Array, Array, float]:
-    """First pose (4, 4) with status `value`, the joints (j,) before it, and its share of the block."""
-    pieces = flange.pieces
+    """First pose (4, 4) with status `value`, the joints (j,) before it, and where on its piece it is."""
     piece = nodes.piece[node : node + 1]
-    whole = max(float(pieces.curves.length[pieces.curve[piece[0]]]), 1e-300)
     if nodes.head[node]:
         previous = q[node - 1] if node else home
-        return flange.at(piece, nodes.s[node : node + 1])[0], previous, 1.0
+        return flange.at(piece, nodes.s[node : node + 1])[0], previous, np.inf
     high = float(nodes.s[node])
     low = float(nodes.s[node - 1]) if nodes.piece[node - 1] == piece[0] else 0.0
     previous = q[node - 1]
@@ -140,7 +141,13 @@ def _where_it_begins(
             low, previous = middle, found[0]
     # the message has the numbers at the end of the block's bad part, where they clearly exceed the limit
     X = flange.at(piece, nodes.s[node : node + 1])[0]
-    return X, previous, (float(pieces.begin[piece[0]]) + high) / whole
+    return X, previous, high
+
+
+def _share_of(pieces: Pieces, piece: int, s: float) -> float:
+    """How much of its block is done at `s` of a piece."""
+    whole = max(float(pieces.curves.length[pieces.curve[piece]]), 1e-300)
+    return min((float(pieces.begin[piece]) + s) / whole, 1.0)
 
 
 def _blocks(pieces: Pieces, piece: NDArray[np.int64]) -> int:
@@ -181,13 +188,17 @@ def _fits(kinematics: Kinematics, probe: SampledPath, choice: SpinChoice, home: 
 def report_slow_joints(
     kinematics: Kinematics,
     pieces: Pieces,
-    piece: NDArray[np.int64],
+    place: tuple[NDArray[np.int64], Array],
     wanted: Array,
     possible: Array,
     slowest: NDArray[np.int64],
-    findings: Findings,
+    findings: PathFindings,
 ) -> None:
-    """Report segments on which a joint's top speed keeps the feed down: near singularities, and otherwise."""
+    """Report segments on which a joint's top speed keeps the feed down: near singularities, and otherwise.
+
+    A segment begins at a `place`: s (k,) of a piece (k,).
+    """
+    piece, begin = place
     with np.errstate(invalid="ignore", divide="ignore"):
         share = np.where(np.isfinite(wanted), possible / wanted, 1.0)
     for code, segments in (
@@ -214,11 +225,12 @@ def report_slow_joints(
                 value=float(need * factor),
                 limit=float(joints.speed[j]),
                 unit="rad/s" if joints.kinds[j] == "revolute" else "m/s",
-            )
+            ),
+            at=OnPiece(int(piece[first]), float(begin[first])),
         )
 
 
-def report_slow_motors(kinematics: Kinematics, pieces: Pieces, slowing: Slowing, findings: Findings) -> None:
+def report_slow_motors(kinematics: Kinematics, pieces: Pieces, slowing: Slowing, findings: PathFindings) -> None:
     """Note once that motions are slower than speeds and accelerations allow, because a motor can give no more (GS231).
 
     Another note tells where a motor cannot bear what the tool expects, however slow the motion is.
@@ -230,8 +242,8 @@ def report_slow_motors(kinematics: Kinematics, pieces: Pieces, slowing: Slowing,
     worst = int(needed.share.argmin())
     joints, j = kinematics.joints, int(needed.joint[worst])
     unit = "N·m" if joints.kinds[j] == "revolute" else "N"
-    first = int(needed.piece.min())
-    at, worst_at = (pieces.path.span(int(pieces.row_last[p])) for p in (first, int(needed.piece[worst])))
+    begin = needed.first
+    at, worst_at = (pieces.path.span(int(pieces.row_last[p])) for p in (begin.piece, int(needed.piece[worst])))
     effort, limit, spare = float(needed.effort[worst]), float(joints.effort[j]), float(needed.reserve[worst])
     besides = f", and {spare:.1f} {unit} of it for friction and the force of the work," if spare > 0.0 else ""
     findings.add(
@@ -245,11 +257,12 @@ def report_slow_motors(kinematics: Kinematics, pieces: Pieces, slowing: Slowing,
             value=effort,
             limit=limit,
             unit=unit,
-        )
+        ),
+        at=begin,
     )
 
 
-def _report_overborne(kinematics: Kinematics, pieces: Pieces, slowing: Slowing, findings: Findings) -> None:
+def _report_overborne(kinematics: Kinematics, pieces: Pieces, slowing: Slowing, findings: PathFindings) -> None:
     """Note where a motor that bears its joint at rest cannot bear the force that is expected, from its worst side."""
     places = np.flatnonzero(slowing.overborne.any(axis=1))
     if not len(places):
@@ -258,7 +271,8 @@ def _report_overborne(kinematics: Kinematics, pieces: Pieces, slowing: Slowing, 
     joints, path = kinematics.joints, pieces.path
     unit, limit = "N·m" if joints.kinds[j] == "revolute" else "N", float(joints.effort[j])
     needed = limit + float(slowing.overborne[worst, j])
-    at, worst_at = (path.span(int(pieces.row_last[p])) for p in (slowing.piece[places].min(), slowing.piece[worst]))
+    begin = slowing.at(places).first
+    at, worst_at = (path.span(int(pieces.row_last[p])) for p in (begin.piece, slowing.piece[worst]))
     findings.add(
         Diagnostic(
             code="GS231",
@@ -273,4 +287,5 @@ def _report_overborne(kinematics: Kinematics, pieces: Pieces, slowing: Slowing, 
             unit=unit,
         ),
         key=("GS231", "overborne"),
+        at=begin,
     )

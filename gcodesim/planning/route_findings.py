@@ -6,10 +6,11 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from gcodesim.diagnostics import Diagnostic, Findings
+from gcodesim.diagnostics import Diagnostic
 from gcodesim.frozen import frozen
 from gcodesim.kinematics.protocol import Status
 from gcodesim.planning.configuration import Hindrance
+from gcodesim.planning.moments import OnPiece, PathFindings
 from gcodesim.planning.nodes import Nodes
 from gcodesim.planning.reach import FlangePoses, why
 from gcodesim.planning.route import DeadEnd
@@ -39,15 +40,16 @@ def report_route(
     turning: SpinAlong | None,
     nodes: Nodes,
     hit: tuple[str, str] | None,
-    findings: Findings,
+    findings: PathFindings,
 ) -> None:
     """A note that one spin and one configuration near home would not have done; `hit`: what would hit what there."""
     path = flange.pieces.path
     first = path.span(int(flange.pieces.row_last[nodes.piece[0]]))
+    begin = OnPiece(int(nodes.piece[0]), 0.0)
     if turning is None or np.ptp(turning.spin) < _TURNED:
         fault = "does not lead through" if hit is None else f"lets {hit[0]} hit {hit[1]}"
         message = f"the configuration comes from a search over the whole path: that nearest to home {fault}"
-        findings.add(Diagnostic(code="GS215", message=message, span=first))
+        findings.add(Diagnostic(code="GS215", message=message, span=first), at=begin)
         return
     fault = "the arm does not get through" if hit is None else f"{hit[0]} hits {hit[1]}"
     low, high = float(turning.spin.min()), float(turning.spin.max())
@@ -59,12 +61,13 @@ def report_route(
             span=first,
             value=high - low,
             unit="rad",
-        )
+        ),
+        at=begin,
     )
 
 
 def report_dead_end(
-    kinematics: Kinematics, flange: FlangePoses, nodes: Nodes, end: DeadEnd, findings: Findings
+    kinematics: Kinematics, flange: FlangePoses, nodes: Nodes, end: DeadEnd, findings: PathFindings
 ) -> ToldEnd:
     """The longest part that can be run, as a share of the way of its chain.
 
@@ -100,7 +103,8 @@ def report_dead_end(
                 limit=1.0,
                 unit="",
                 bodies=end.hits or (),
-            )
+            ),
+            at=OnPiece(int(nodes.piece[end.next_node]), float(nodes.s[end.next_node])),
         )
         return ToldEnd(part, (int(nodes.piece[a]), int(nodes.piece[b - 1]) + 1))
     return ToldEnd(part)

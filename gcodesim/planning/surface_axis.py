@@ -16,11 +16,12 @@ from numpy.typing import NDArray
 from gcodesim.arithmetic.distinct import distinct
 from gcodesim.arithmetic.elementary import cos_sin
 from gcodesim.arithmetic.matrices import dots, norms
-from gcodesim.diagnostics import Diagnostic, Findings
+from gcodesim.diagnostics import Diagnostic
 from gcodesim.frames import Array, Pose
 from gcodesim.frozen import frozen
 from gcodesim.motion.pieces import Pieces
 from gcodesim.motion.tool_path import ARC, LINE
+from gcodesim.planning.moments import OnBlock, OnPiece, PathFindings
 from gcodesim.planning.spin_along import SpinAlong
 from gcodesim.units import MM
 
@@ -107,7 +108,7 @@ class SurfaceAxis:
         distance, normal = self.skin.nearest(points)
         return np.where((distance <= self.within)[:, None], normal, [0.0, 0.0, 1.0])
 
-    def along(self, pieces: Pieces, tipped: Tipped, words_of: WordsOf, findings: Findings) -> WordsAlong:
+    def along(self, pieces: Pieces, tipped: Tipped, words_of: WordsOf, findings: PathFindings) -> WordsAlong:
         """Words along `pieces` that lean the tool wherever the tip is commanded.
 
         Feeds whose block has words of its own keep them. Between feeds the tool turns evenly, and stands as the
@@ -143,7 +144,7 @@ class SurfaceAxis:
         found: Array = np.where(known[:, None], leaning, normal)
         return found
 
-    def report_far(self, pieces: Pieces, row: NDArray[np.intp], distance: Array, findings: Findings) -> None:
+    def report_far(self, pieces: Pieces, row: NDArray[np.intp], distance: Array, findings: PathFindings) -> None:
         """GS217 for rows that are nowhere within reach of the surface."""
         path = pieces.path
         least = np.full(len(path), np.inf)
@@ -162,30 +163,36 @@ class SurfaceAxis:
                 value=most,
                 limit=self.within,
                 unit="m",
-            )
+            ),
+            at=OnBlock(int(path.block[far[0]])),
         )
 
-    def report_open(self, pieces: Pieces, row: NDArray[np.intp], size: Array, findings: Findings) -> None:
-        """GS218 where the surface faces so many ways that their mean says little."""
+    def report_open(self, pieces: Pieces, place: tuple[Numbers, Array], size: Array, findings: PathFindings) -> None:
+        """GS218 where the surface faces so many ways that their mean says little: at s (k,) of a piece (k,)."""
         vague = size < _OPEN
         if not vague.any():
             return
+        row, first = pieces.row_first[place[0]], int(np.argmax(vague))
         findings.add(
             Diagnostic(
                 code="GS218",
                 message=f"`{self.name}` leaves the tool axis open: its normal turns by more than 120 deg within "
                 f"{self.smooth / MM:g} mm of the way",
-                span=pieces.path.span(int(row[np.argmax(vague)])),
+                span=pieces.path.span(int(row[first])),
                 hint="go round the edge with a rapid, or say the axis in the block (I J K)",
                 count=len(distinct(pieces.path.block[row[vague]])),
                 value=float(size.min()),
                 limit=_OPEN,
                 unit="",
-            )
+            ),
+            at=OnPiece(int(place[0][first]), float(place[1][first])),
         )
 
-    def report_lost(self, pieces: Pieces, row: NDArray[np.intp], direction: Array, findings: Findings) -> None:
-        """GS219 where the machine cannot turn so."""
+    def report_lost(
+        self, pieces: Pieces, place: tuple[Numbers, Array], direction: Array, findings: PathFindings
+    ) -> None:
+        """GS219 at s (k,) of a piece (k,), where the machine cannot turn so, first along `direction` (3,)."""
+        row = pieces.row_first[place[0]]
         x, y, z = direction
         findings.add(
             Diagnostic(
@@ -195,7 +202,8 @@ class SurfaceAxis:
                 span=pieces.path.span(int(row[0])),
                 hint="its rotary axes do not turn so far: clamp the work otherwise, or change `lead` and `tilt`",
                 count=len(distinct(pieces.path.block[row])),
-            )
+            ),
+            at=OnPiece(int(place[0][0]), float(place[1][0])),
         )
 
 
@@ -203,7 +211,7 @@ class _Knots:
     """Words at places of the pieces, chain by chain, through which splines go."""
 
     def __init__(
-        self, surface: SurfaceAxis, pieces: Pieces, tipped: Tipped, words_of: WordsOf, findings: Findings
+        self, surface: SurfaceAxis, pieces: Pieces, tipped: Tipped, words_of: WordsOf, findings: PathFindings
     ) -> None:
         self.surface, self.pieces, self.tipped = surface, pieces, tipped
         self.words_of, self.findings = words_of, findings
@@ -283,11 +291,11 @@ class _Knots:
         direction, size = _averaged(way, surface.leant(normal, points), surface.smooth)
         row = pieces.row_first[place].astype(np.intp)
         surface.report_far(pieces, row, distance, self.findings)
-        surface.report_open(pieces, row, size, self.findings)
+        surface.report_open(pieces, (place, s), size, self.findings)
         words = self.words_of(direction, before)
         lost = np.isnan(words).any(axis=1)
         if lost.any():
-            surface.report_lost(pieces, row[lost], direction[lost][0], self.findings)
+            surface.report_lost(pieces, (place[lost], s[lost]), direction[lost][0], self.findings)
             place, s, words = self._up_to_travel(place, s, direction, words)
         return place, s, _held(words, before)
 

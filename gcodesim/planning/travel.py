@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -12,10 +11,12 @@ from gcodesim.arithmetic.distinct import distinct
 from gcodesim.arithmetic.elementary import atan2, cos, sin
 from gcodesim.canon import AXIS_LETTERS
 from gcodesim.canon.systems import name_of_system
-from gcodesim.diagnostics import Diagnostic, Findings
+from gcodesim.diagnostics import Diagnostic
 from gcodesim.frames import Array
+from gcodesim.frozen import frozen
 from gcodesim.motion.curves import Curves
 from gcodesim.motion.tool_path import ARC, HOME, Commanded, ToolPath
+from gcodesim.planning.moments import LimitPassing, OnBlock, PathFindings
 from gcodesim.units import DEG, MM
 
 if TYPE_CHECKING:
@@ -52,7 +53,26 @@ def _most_turns(curves: Curves) -> int:
     return int(np.ceil(np.abs(curves.sweep).max() / (2.0 * np.pi))) + 1
 
 
-def report_missing_axes(path: ToolPath, axes: NDArray[np.intp], findings: Findings) -> None:
+@frozen(kw_only=False, eq=False)
+class TravelEnds:
+    """Joints (j,) between `lower` and `upper` [m, rad], by their `letters`; `number` is which of all joints each is."""
+
+    letters: tuple[str, ...]
+    linear: tuple[bool, ...]
+    lower: Array
+    upper: Array
+    number: NDArray[np.intp]
+
+    @staticmethod
+    def of(joints: Joints, number: NDArray[np.intp] | None = None) -> TravelEnds:
+        """That of all joints, or of those with the numbers (k,)."""
+        which = np.arange(len(joints)) if number is None else number
+        own = joints.part(which)
+        letters = tuple(name.rpartition("/")[2] for name in own.names)
+        return TravelEnds(letters, tuple(kind == "prismatic" for kind in own.kinds), own.lower, own.upper, which)
+
+
+def report_missing_axes(path: ToolPath, axes: NDArray[np.intp], findings: PathFindings) -> None:
     """Report axes that the program moves and the machine does not have."""
     for axis in range(6):
         rows = np.flatnonzero(path.end[:, axis] != path.start[:, axis])
@@ -65,50 +85,49 @@ def report_missing_axes(path: ToolPath, axes: NDArray[np.intp], findings: Findin
                 span=path.span(int(rows[0])),
                 hint="its axes are " + ", ".join(AXIS_LETTERS[a] for a in sorted(axes)),
                 count=len(distinct(path.block[rows])),
-            )
+            ),
+            at=OnBlock(int(path.block[rows[0]])),
         )
 
 
 def report_travel(
     path: ToolPath,
     axes: NDArray[np.intp],
-    joints: Joints,
-    findings: Findings,
+    travel: TravelEnds,
+    findings: PathFindings,
     ranges: tuple[Array, Array] | None = None,
-    letters: Sequence[str] = AXIS_LETTERS,
 ) -> None:
     """Report each end of travel that is passed, once: the first line, the worst value and a shift that would fit.
 
-    `ranges` are the axis values of rows, if they are not those of `axis_ranges`; `letters` the names of the joints, if
-    they are not those of the `axes`.
+    The joints of `travel` are the `axes` (j,); `ranges` are the axis values of rows, if they are not those of
+    `axis_ranges`.
     """
     if not len(path):
         return
     low, high = axis_ranges(path) if ranges is None else ranges
     for j, axis in enumerate(axes):
-        for limit, values, sign in ((joints.lower[j], low, -1.0), (joints.upper[j], high, 1.0)):
-            beyond = sign * (values[:, axis] - limit)
-            rows = np.flatnonzero(beyond > _SLACK)
+        for limit, values, sign in ((travel.lower[j], low, -1.0), (travel.upper[j], high, 1.0)):
+            rows = np.flatnonzero(sign * (values[:, axis] - limit) > _SLACK)
             if len(rows):
-                letter = letters[axis] if letters is AXIS_LETTERS else letters[j]
-                _report_axis(
-                    path, rows, int(axis), j, float(limit), values[:, axis], (low, high), joints, letter, findings
-                )
+                _report_axis(path, rows, (int(axis), j, sign), values[:, axis], (low, high), travel, findings)
 
 
 def _report_axis(
     path: ToolPath,
     rows: NDArray[np.intp],
-    axis: int,
-    j: int,
-    limit: float,
+    side: tuple[int, int, float],
     values: Array,
     ranges: tuple[Array, Array],
-    joints: Joints,
-    letter: str,
-    findings: Findings,
+    travel: TravelEnds,
+    findings: PathFindings,
 ) -> None:
-    linear = joints.kinds[j] == "prismatic"
+    """GS201 for an axis, its joint and the upper (1) or lower end (-1) of it."""
+    axis, j, sign = side
+    linear, letter, limit = (
+        travel.linear[j],
+        travel.letters[j],
+        float(travel.upper[j] if sign > 0.0 else travel.lower[j]),
+    )
     unit, factor = ("mm", MM) if linear else ("deg", DEG)
     first = int(rows[0])
     worst = int(rows[np.argmax(np.abs(values[rows] - limit))])
@@ -122,14 +141,14 @@ def _report_axis(
     hint = ""
     if movable.any() and not machine[first]:
         least, most = float(ranges[0][movable, axis].min()), float(ranges[1][movable, axis].max())
-        room = (float(joints.lower[j]) - least, float(joints.upper[j]) - most)
+        room = (float(travel.lower[j]) - least, float(travel.upper[j]) - most)
         if room[0] <= room[1]:
             shift = min(max(0.0, room[0]), room[1])
             hint = f"{name_of_system(state.system)} shifted by {shift / factor:+.3f} {unit} in {letter} would fit"
         else:
             hint = (
                 f"no shift fits: the program needs {(most - least) / factor:.3f} {unit} of {letter},"
-                f" the machine has {(joints.upper[j] - joints.lower[j]) / factor:.3f} {unit}"
+                f" the machine has {(travel.upper[j] - travel.lower[j]) / factor:.3f} {unit}"
             )
     if path.span(worst) != path.span(first):
         far = f"worst {values[worst] / factor:.3f} {unit} in line {path.span(worst).line}"
@@ -147,5 +166,6 @@ def _report_axis(
             value=value,
             limit=limit,
             unit="m" if linear else "rad",
-        )
+        ),
+        at=LimitPassing(int(path.block[first]), int(travel.number[j]), limit, sign),
     )

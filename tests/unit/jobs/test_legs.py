@@ -156,7 +156,11 @@ def test_limits_of_later_legs_are_told_with_their_times() -> None:
     results = check(job)
     found = next(f for f in results.findings if f.code == "GS201")
     assert found.span.line == 9 and job.plan is not None
-    assert found.time == pytest.approx(float(job.plan.trajectory.row_start[-1]))
+    trajectory = job.plan.trajectory
+    assert found.time is not None and found.limit is not None
+    assert trajectory.row_start[-1] < found.time < trajectory.row_end[-1]
+    place = trajectory.sample(np.array([found.time]))
+    assert job.plan.joints(place)[0, 0] == pytest.approx(found.limit, abs=1e-6)
 
 
 def test_a_check_meets_the_stock_as_it_came_and_says_so() -> None:
