@@ -14,7 +14,7 @@ from gcodesim.frozen import frozen
 from gcodesim.motion.blend_kernels import NORMAL_SHARE
 from gcodesim.motion.pieces import OVERLAP, Pieces
 from gcodesim.motion.timing import Caps, Softness
-from gcodesim.planning.arm_kernels import JointCaps, SegmentRates, hold_rates, joint_caps, joint_rates
+from gcodesim.planning.arm_kernels import JointCaps, SegmentRates, hold_rates, hurry_shares, joint_caps, joint_rates
 from gcodesim.planning.flange import Flange
 from gcodesim.planning.jerk import softer
 from gcodesim.planning.kinks import Kinks
@@ -32,6 +32,7 @@ _SHARE: Final = 0.99  # of each limit, where more than the tip moves the flange;
 # while the joint only turns by what lies between the nodes.
 _STEEPEST: Final = 10.0
 _ROUGH: Final = 0.05  # of an acceleration limit, by which q'' may change within half a segment before that is cut
+_CLOSELY: Final = 2  # looks at all segments of a path
 _SHORTEST: Final = 4e-6  # [m] of a segment that is cut
 
 
@@ -40,7 +41,8 @@ class ArmCaps:
     """Caps of the k segments between `nodes`, `found`; `wanted` (k,) is the speed that the program asks for [m/s].
 
     `exact` (k,) marks those on which the arm follows the path; `junction` (k,) caps the speed at their ends, and
-    `kinks` does so where the rates of joints step.
+    `kinks` does so where the rates of joints step. The arm `rests` (k,) before segments that begin a chain, and
+    `swings` along splines through many directions.
     """
 
     pieces: Pieces
@@ -53,6 +55,8 @@ class ArmCaps:
     found: JointCaps
     junction: Array
     kinks: Kinks
+    rests: NDArray[np.bool_]
+    swings: bool
     soft: Softness | None = None
 
     @staticmethod
@@ -80,7 +84,9 @@ class ArmCaps:
         last = np.append(piece[1:] != piece[:-1], True)[: len(piece)]
         junction = np.minimum(np.where(last, pieces.junction[piece], np.inf), found.speed)
         kinks = Kinks.between(rates, junction, pieces.ratio[piece], changes & follows, acceleration)
-        return ArmCaps(pieces, piece, begin, length, wanted, exact, rates, found, junction, kinks)
+        rests = np.append(True, ~follows)[: len(piece)]
+        swings = flange.guide is not None and flange.guide.turning is not None
+        return ArmCaps(pieces, piece, begin, length, wanted, exact, rates, found, junction, kinks, rests, swings)
 
     def softened(self, nodes: Nodes, limit: Array) -> ArmCaps:
         """The caps that keep the jerk of joints within `limit` (j,) too; as they are if there is none."""
@@ -92,11 +98,22 @@ class ArmCaps:
         lower = softer(self.rates, self.length, follows, goes_on, limit, self.found, self.junction)
         return replace(self, found=lower.found, junction=lower.junction, soft=lower.soft)
 
-    @property
-    def parts(self) -> Array:
-        """Into how many parts each segment (k,) has to be cut, so that q'' changes little within each."""
-        # halves leave a quarter of the change
-        parts = np.ceil(np.sqrt(self.found.unresolved / _ROUGH))
+    def parts(self, looks: int) -> Array:
+        """Into how many parts each segment (k,) has to be cut, so that q'' changes little within each.
+
+        After the first `looks` twice as much will do, since steps of a few micrometres tell noise, and what counts is
+        the speed that motion can have there: where q'' passes zero, any speed would be allowed, in steps of any size.
+        Along splines that make the arm swing, that counts at once.
+        """
+        rough = self.found.unresolved / (_ROUGH if looks < _CLOSELY else 2.0 * _ROUGH)
+        if looks >= _CLOSELY or self.swings:
+            shares = np.empty(len(self.piece))
+            end = np.minimum(self.junction, self.kinks.cap)
+            acceleration = self.found.acceleration * self.kinks.left
+            hurry_shares(self.length, self.found.speed, acceleration, end, self.rests, shares)
+            rough = rough * shares
+        # halves leave a half of the change, or a quarter where it is a bow
+        parts = np.ceil(np.sqrt(rough))
         return np.where(self.exact & (self.length > _SHORTEST), np.maximum(parts, 1.0), 1.0)
 
     def report(self, kinematics: Kinematics, findings: PathFindings) -> None:

@@ -11,6 +11,11 @@ from gcodesim.compiled import kernel
 from gcodesim.motion.columns import Column
 
 SMALLEST_PIVOT = 1e-9
+BESIDE = 1.0 / 64.0
+"""Of the bow of a rate: so much greater it may be than along the cubic through both ends, whose third derivative is the
+same all along. Where that changes by all of itself, rates are L²/125 of it beside those of the cubic."""
+EVEN = 3e-5
+"""Of a rate, up to which a bow is none: less than a millionth is left of it."""
 
 
 class SegmentRates(NamedTuple):
@@ -132,6 +137,36 @@ def hold_rates(rates: SegmentRates, length: Column, straight: Column, close: flo
                 end[k, j] = min(max(end[k, j], -most), most)
 
 
+@kernel(lean=True)
+def hurry_shares(
+    length: Column, speed: Column, acceleration: Column, end: Column, rests: Column, shares: Column
+) -> None:
+    """How much of the `speed` squared that is allowed on a segment of `length` (k,) motion can have, into `shares`.
+
+    From rest where a segment `rests` (k,) before it begins, and to rest before the next of these and at the end, it
+    gains no more than `acceleration` (k,) allows, and passes the ends of segments at `end` (k,) at most.
+    """
+    count = len(length)
+    square = 0.0
+    for k in range(count):
+        if rests[k]:
+            square = 0.0
+        shares[k] = square  # of speed, where the segment begins
+        square = min(square + 2.0 * acceleration[k] * length[k], min(speed[k] * speed[k], end[k] * end[k]))
+    square = 0.0
+    for k in range(count - 1, -1, -1):
+        if k + 1 < count and rests[k + 1]:
+            square = 0.0
+        elif k + 1 < count:
+            square = min(square, end[k] * end[k])
+        gain = 2.0 * acceleration[k] * length[k]
+        begin = shares[k]
+        most = speed[k] * speed[k]
+        top = min(0.5 * (begin + square + gain), min(begin + gain, square + gain))
+        shares[k] = min(top / max(most, 1e-300), 1.0)
+        square = min(square + gain, min(most, begin))
+
+
 @kernel
 def greatest_rate(r0: float, r1: float, mean: float) -> float:
     """The greatest |q'| along a cubic that has rates `r0` and `r1` at its ends and `mean` on average."""
@@ -156,7 +191,8 @@ def joint_caps(
 
     Joint acceleration is q' a + q'' v²: `bending_share` of the limit may go into the second term, the rest of it stays
     for a. q is the cubic that has the joints and the rates of both ends; its q'' at the ends is the difference of the
-    rates over the length, and six times as much more or less as the mean rate lies beside that of both ends.
+    rates over the length, and six times as much more or less as the mean rate lies beside that of both ends. A rate may
+    be greater than along the cubic, by `BESIDE` of that.
     """
     start_rate, end_rate, mean_rate = rates
     for k in range(len(length)):
@@ -164,11 +200,14 @@ def joint_caps(
         guilty = -1
         for j in range(start_rate.shape[1]):
             r0, r1, mean = start_rate[k, j], end_rate[k, j], mean_rate[k, j]
+            bow = abs(6.0 * mean - 3.0 * (r0 + r1))
             rate = greatest_rate(r0, r1, mean)
+            if bow > EVEN * rate:
+                rate += BESIDE * bow
             if rate > 1e-12 and speed_limit[j] / rate < v_rate:
                 v_rate = speed_limit[j] / rate
                 guilty = j
-            bend = (abs(r1 - r0) + abs(6.0 * mean - 3.0 * (r0 + r1))) / length[k]
+            bend = (abs(r1 - r0) + bow) / length[k]
             if bend > 1e-12:
                 v_bend = min(v_bend, math.sqrt(bending_share * acceleration_limit[j] / bend))
         v = min(caps.wanted[k], v_rate, v_bend)

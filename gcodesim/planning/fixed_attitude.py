@@ -62,7 +62,8 @@ if TYPE_CHECKING:
 
 Solved: TypeAlias = tuple[Nodes, Array, NDArray[np.uint8]]  # nodes, joints (k, j) and status (k,) at them
 
-_REFINEMENTS: Final = 3
+_REFINEMENTS: Final = 3  # of nodes by the steps of joints
+_ROUNDS: Final = 8  # the same by what changes within a step; they end by themselves, at steps of a few micrometres
 _LOOKS: Final = 400  # nodes at which is looked whether the arm hits anything
 _CLOSER: Final = 2e-3  # [m, rad] between nodes to begin with, where more than the tip moves the flange
 _PARTS: Final = 0.25  # between nodes, of the way over which a tool turns at an edge
@@ -187,17 +188,20 @@ class FixedAttitude:
             heads = np.flatnonzero(pieces.fixed & ~at_home)
             guide = replace(guide, outside=places[1].along(guide.outside, pieces, heads))
             flange = replace(flange, guide=guide)
-        begun = Nodes.of(pieces, at_home) if guide is None else Nodes.of(pieces, at_home, self._spacing)
+        if guide is None:
+            begun = Nodes.of(pieces, at_home)
+        else:
+            begun = Nodes.of(pieces, at_home, self._spacing, guide.parts(pieces))
         solved = _solve(arm, flange, begun, choice, own)
         told = ToldEnd()
         if not self._will_do(arm, flange, *solved) or self._hit(flange, *solved) is not None:
             flange, solved, choice, told = self._searched(arm, flange, begun, choice, own, solved, findings)
-        for refinement in range(_REFINEMENTS):
+        for refinement in range(_ROUNDS):
             nodes, q_own, status = solved
             bridged = _bridge(nodes, q_own, status)
             q_nodes = q_own if self.outside is None else self._together(flange, nodes, q_own)
             caps = ArmCaps.of(kinematics if self.outside is not None else arm, flange, nodes, q_nodes, bridged)
-            finer = nodes.split(caps.parts) if refinement + 1 < _REFINEMENTS else None
+            finer = nodes.split(caps.parts(refinement)) if refinement + 1 < _ROUNDS else None
             if finer is None:
                 break
             solved = _solved_at(arm, flange, finer, choice, own)

@@ -20,10 +20,13 @@ from gcodesim.planning.flange_kernels import Holding, lean_frames
 if TYPE_CHECKING:
     from gcodesim.kinematics.assembly import Assembly
     from gcodesim.kinematics.attitude import AttitudeLaw
+    from gcodesim.motion.pieces import Pieces
     from gcodesim.planning.spin_along import SpinAlong
     from gcodesim.planning.surface_axis import WordsAlong
 
 Rows = NDArray[np.intp] | NDArray[np.int32] | NDArray[np.int64]
+TURN = 0.1
+"""Of a word [-, rad] between two places at which joints are worked out."""
 CHOSEN = -1
 """The column of an external axis that no word commands."""
 GROUND = -1
@@ -105,6 +108,12 @@ class Guide:
         """Words (k, 3) at places `s` (k,) of `piece` (k,), which are at `positions` (k, 6)."""
         said = positions[:, 3:]
         return said if self.turning is None else self.turning.at(piece, s, said)
+
+    def parts(self, pieces: Pieces) -> Array | float:
+        """Into how many parts (m,) each piece has to be cut, so that what `turning` says lies on few of its knots."""
+        if self.turning is None:
+            return 0.0
+        return self.turning.parts(np.arange(len(pieces)), TURN)
 
     def externals(self, piece: NDArray[np.int64], s: Array, positions: Array) -> Array | None:
         """Values (k, e) of the external axes; None without any."""

@@ -34,12 +34,15 @@ class Nodes:
     head: NDArray[np.bool_]
 
     @staticmethod
-    def of(pieces: Pieces, at_home: NDArray[np.bool_], spacing: float = SPACING) -> Nodes:
-        """Nodes as dense as the geometry requires; in joint space one at the end, or none: `at_home` (m,)."""
+    def of(pieces: Pieces, at_home: NDArray[np.bool_], spacing: float = SPACING, parts: Array | float = 0.0) -> Nodes:
+        """Nodes as dense as the geometry requires, in no fewer `parts` (m,) of each piece.
+
+        In joint space there is one at the end, or none: `at_home` (m,).
+        """
         turn = np.where(
             pieces.curves.kind == ROUND, np.abs(pieces.curves.sweep) / np.maximum(pieces.curves.length, 1e-300), 0.0
         )[pieces.curve]
-        wanted = np.maximum(pieces.length / spacing, turn * pieces.length / BEND)
+        wanted = np.maximum(np.maximum(pieces.length / spacing, turn * pieces.length / BEND), parts)
         count = np.maximum(np.ceil(wanted), np.where(pieces.kind == OVERLAP, 4, 1)).astype(np.int64)
         count[pieces.fixed] = np.where(at_home, 0, 1)[pieces.fixed]
         piece = np.repeat(np.arange(len(pieces)), count)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicHermiteSpline
 
-from gcodesim.planning.arm_kernels import JointCaps, SegmentRates, joint_caps, joint_rates
+from gcodesim.planning.arm_kernels import JointCaps, SegmentRates, hurry_shares, joint_caps, joint_rates
 
 
 @pytest.mark.parametrize("count", [6, 7])
@@ -65,3 +65,37 @@ def test_caps_keep_speed_and_acceleration_of_every_joint() -> None:
 def bend_ends(cubics: list[CubicHermiteSpline], length: np.ndarray) -> np.ndarray:
     """By how much q'' (n, j) differs between both ends."""
     return np.array([cubic(h, 2) - cubic(0.0, 2) for cubic, h in zip(cubics, length, strict=True)])
+
+
+def test_shares_of_hurry_are_those_of_the_quickest_way_from_rest_to_rest() -> None:
+    """Against the envelope of all that bounds a speed squared, ahead and behind: two chains of segments."""
+    rng = np.random.default_rng(5)
+    n = 60
+    length, acceleration = 10 ** rng.uniform(-4, -2, n), rng.uniform(0.1, 2.0, n)
+    speed = 10 ** rng.uniform(-2, 0, n)
+    end = np.minimum(speed, 10 ** rng.uniform(-1, 0, n))
+    rests = np.isin(np.arange(n), (0, 25))
+    shares = np.empty(n)
+
+    hurry_shares(length, speed, acceleration, end, rests, shares)
+
+    heads, last = [0, 25], [25, n]
+    for a, b in zip(heads, last, strict=True):
+        # places where a bound stands: at rest, at the end of a segment, or all along one
+        gain = np.concatenate([[0.0], np.cumsum(2.0 * acceleration[a:b] * length[a:b])])
+        bound = np.concatenate([[0.0], np.minimum(end[a:b], speed[a:b]) ** 2])
+        bound[-1] = 0.0
+        bound[:-1] = np.minimum(bound[:-1], speed[a:b] ** 2)
+        nodes = np.min(bound[None] + np.abs(gain[:, None] - gain[None]), axis=1)
+        own = 2.0 * acceleration[a:b] * length[a:b]
+        top = np.minimum(0.5 * (nodes[:-1] + nodes[1:] + own), speed[a:b] ** 2)
+        assert shares[a:b] == pytest.approx(top / speed[a:b] ** 2, rel=1e-9)
+    assert (shares < 0.9).sum() > 5 and (shares == 1.0).any()
+
+
+def test_nothing_is_cut_where_motion_is_never_quick_enough() -> None:
+    """A segment that any speed would do for, between two that have to be slow, has little of it."""
+    shares = np.empty(3)
+    at = np.ones(3)
+    hurry_shares(1e-4 * at, np.array([0.01, 10.0, 0.01]), at, np.array([0.01, 0.01, 0.0]), at < 0.0, shares)
+    assert shares[1] == pytest.approx((0.01**2 + 1e-4) / 10.0**2)
