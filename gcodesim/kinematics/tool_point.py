@@ -190,6 +190,20 @@ class ToolPoint:
             out[joint] = values[np.argmin(np.abs(values - near[joint]))]
         return out
 
+    def beyond_travel(self, q: Array) -> tuple[int, float, float]:
+        """Which rotary joint of `q` (j,) is farthest beyond its travel, whole turns on or back; its value and its limit
+        [rad]. One that is within its travel is beyond it by less than nothing.
+        """
+        joints, worst = self.kinematics.joints, (-np.inf, -1, 0.0, 0.0)
+        for joint in self.rotary:
+            low, high = float(joints.lower[joint]), float(joints.upper[joint])
+            middle = 0.5 * (low + high) if np.isfinite(low + high) else float(q[joint])
+            value = float(q[joint] + _TURN * np.round((middle - q[joint]) / _TURN))
+            limit = high if value - high >= low - value else low
+            beyond = abs(value - limit) if value > high or value < low else -min(high - value, value - low)
+            worst = max(worst, (beyond, int(joint), value, limit))
+        return worst[1:]
+
     def _with(self, seed: Array, angles: dict[int, float]) -> Array:
         q = np.array(seed, dtype=float)
         for joint, angle in angles.items():

@@ -36,7 +36,7 @@ from gcodesim.planning.moments import PathFindings
 from gcodesim.planning.plan import JointExtremes, JointPath
 from gcodesim.planning.posing import Posed
 from gcodesim.planning.reach import report_slow_joints
-from gcodesim.planning.surface_axis import SurfaceAxis, Tipped, WordsAlong
+from gcodesim.planning.surface_axis import AxisLack, SurfaceAxis, Tipped, WordsAlong
 from gcodesim.planning.travel import TravelEnds, axis_ranges, report_missing_axes, report_travel
 
 if TYPE_CHECKING:
@@ -153,7 +153,7 @@ class AxisAttitude:
         """Rotary axes along the pieces where a surface gives the tool axis."""
         if self.surface is None or not len(pieces):
             return None
-        tipped = Tipped(rows=held, X_MB=Pose.identity(), joint_heads=False)
+        tipped = Tipped(rows=held, X_MB=Pose.identity(), joint_heads=False, lack=self._lack)
         return self.surface.along(pieces, tipped, self._turned, findings)
 
     def _turned(self, directions: Array, before: Array) -> Array:
@@ -172,6 +172,19 @@ class AxisAttitude:
                 at[tool.columns] = near
                 words[row] = at[3:]
         return words
+
+    def _lack(self, direction: Array, before: Array) -> AxisLack | None:
+        """The axis that is beyond its travel where the tool points along `direction` (3,), by the nearer branch.
+
+        None where no angles of the axes point it there.
+        """
+        tool, joints = self.tool, self.tool.kinematics.joints
+        near = np.concatenate([np.zeros(3), before])[tool.columns]
+        missing = [tool.beyond_travel(way) for way in tool.attitudes(direction, near)]
+        if not missing:
+            return None
+        joint, value, limit = min(missing, key=lambda each: abs(each[1] - each[2]))
+        return AxisLack(joints.names[joint], value, limit)
 
     def after(self, leg: JointPath, path: ToolPath, home: Array) -> AxisAttitude:
         """The same posing: rotary axes are commanded, so no choice would have to be kept."""

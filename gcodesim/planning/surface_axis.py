@@ -23,7 +23,7 @@ from gcodesim.motion.pieces import Pieces
 from gcodesim.motion.tool_path import ARC, LINE
 from gcodesim.planning.moments import OnBlock, OnPiece, PathFindings
 from gcodesim.planning.spin_along import SpinAlong
-from gcodesim.units import MM
+from gcodesim.units import DEG, MM
 
 if TYPE_CHECKING:
     from gcodesim.material.skin_normals import SkinNormals
@@ -81,11 +81,23 @@ class Tipped:
 
     With `joint_heads` every chain begins with a joint move, which already ends in the attitude of the first feed; else
     the words before and after are those that the program says.
+
+    Where a machine cannot point its tool along a direction (3,) from words (3,) on, `lack` tells why.
     """
 
     rows: NDArray[np.bool_]
     X_MB: Pose
     joint_heads: bool
+    lack: Callable[[Array, Array], AxisLack | None] | None = None
+
+
+@frozen(kw_only=False)
+class AxisLack:
+    """A rotary axis would have to be at `value`, beyond the end of its travel at `limit` [rad]."""
+
+    letter: str
+    value: float
+    limit: float
 
 
 @frozen(eq=False)
@@ -189,21 +201,30 @@ class SurfaceAxis:
         )
 
     def report_lost(
-        self, pieces: Pieces, place: tuple[Numbers, Array], direction: Array, findings: PathFindings
+        self, pieces: Pieces, lost: Numbers, at: OnPiece, why: tuple[Array, AxisLack | None], findings: PathFindings
     ) -> None:
-        """GS219 at s (k,) of a piece (k,), where the machine cannot turn so, first along `direction` (3,)."""
-        row = pieces.row_first[place[0]]
-        x, y, z = direction
+        """GS219 on the pieces `lost` (k,), begun `at` a place: the machine cannot turn so, least of all along the
+        direction (3,) of `why`.
+        """
+        row, ((x, y, z), lack) = pieces.row_first[lost], why
+        needs = ""
+        if lack is not None:
+            needs = (
+                f": {lack.letter} would be at {lack.value / DEG:.2f} deg, its travel ends at {lack.limit / DEG:g} deg"
+            )
         findings.add(
             Diagnostic(
                 code="GS219",
                 message=f"the machine cannot bring the tool upright on `{self.name}`, along "
-                f"X{x:.3f} Y{y:.3f} Z{z:.3f}; it stays as near as it can",
+                f"X{x:.3f} Y{y:.3f} Z{z:.3f}{needs}; it stays as near as it can",
                 span=pieces.path.span(int(row[0])),
                 hint="its rotary axes do not turn so far: clamp the work otherwise, or change `lead` and `tilt`",
                 count=len(distinct(pieces.path.block[row])),
+                value=None if lack is None else lack.value,
+                limit=None if lack is None else lack.limit,
+                unit=None if lack is None else "rad",
             ),
-            at=OnPiece(int(place[0][0]), float(place[1][0])),
+            at=at,
         )
 
 
@@ -295,9 +316,30 @@ class _Knots:
         words = self.words_of(direction, before)
         lost = np.isnan(words).any(axis=1)
         if lost.any():
-            surface.report_lost(pieces, (place[lost], s[lost]), direction[lost][0], self.findings)
+            begin = self._lost_from(place, s, direction, words)
+            why = self._why(direction[lost], before)
+            surface.report_lost(pieces, place[lost], begin, why, self.findings)
             place, s, words = self._up_to_travel(place, s, direction, words)
         return place, s, _held(words, before)
+
+    def _lost_from(self, place: Numbers, s: Array, direction: Array, words: Array) -> OnPiece:
+        """Where the machine comes to the end of its travel first."""
+        k = int(np.argmax(np.any(np.isnan(words), axis=1)))
+        if k == 0:
+            return OnPiece(int(place[0]), float(s[0]))
+        share, _ = self._last_known(direction[k - 1], direction[k], words[k - 1])
+        begin = s[k - 1] if place[k - 1] == place[k] else 0.0
+        return OnPiece(int(place[k]), float(begin + share * (s[k] - begin)))
+
+    def _why(self, directions: Array, before: Array) -> tuple[Array, AxisLack | None]:
+        """The one of the directions (k, 3) that an axis misses by most, and by how much it does."""
+        lack = self.tipped.lack
+        found = [] if lack is None else [(lack(direction, before), direction) for direction in directions]
+        known = [(each, direction) for each, direction in found if each is not None]
+        if not known:
+            return directions[0], None
+        worst, direction = max(known, key=lambda pair: abs(pair[0].value - pair[0].limit))
+        return direction, worst
 
     def _up_to_travel(self, place: Numbers, s: Array, direction: Array, words: Array) -> tuple[Numbers, Array, Array]:
         """The knots with those where the machine comes to the end of its travel, or can turn again.

@@ -147,8 +147,9 @@ CODES: tuple[Code, ...] = (
         code="GS217",
         severity=Severity.WARNING,
         title="Feed away from the surface",
-        what="The tool axis is the normal of a surface (`tool_axis: normal of …`), and a feed runs farther away from"
-        " that surface than `within` of the orientation. The tool stands on the normal of the place that is nearest.",
+        what="The tool axis is the normal of a surface (`tool_axis: normal of …`), and a feed is farther away from"
+        " that surface than `within` of the orientation, all along its block. The tool stands on the normal of the"
+        " place that is nearest.",
         why="Far away, the nearest place may be an edge or the other side: the tool leans by a part that is not meant.",
         remedy="Look at where the body stands, and at the work system. Raise `within` where so much distance is meant,"
         " as of a spray gun.",
@@ -168,7 +169,8 @@ CODES: tuple[Code, ...] = (
         severity=Severity.ERROR,
         title="Tool cannot stand on the surface",
         what="The tool axis is the normal of a surface, and no position of the rotary axes within their travel brings"
-        " the tool there. It stays at the end of the travel, as near as it can.",
+        " the tool there. It stays at the end of the travel, as near as it can. The message names the direction on"
+        " these feeds that is farthest beyond, and the axis that would have to go there.",
         why="The tool does not stand on the surface there, and its side or holder may meet it.",
         remedy="Clamp the work so that this side faces the tool, or lean the tool back with `lead` and `tilt`.",
     ),

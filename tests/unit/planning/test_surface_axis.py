@@ -129,7 +129,18 @@ def test_a_machine_that_cannot_turn_so_far_says_so() -> None:
     job = job_of(ROUND, text)
     found = [f for f in job.findings if f.code == "GS219"]
     assert [f.span.line for f in found][:1] == [5]
-    assert "upright on `body`, along X-0." in found[0].message
+    assert "upright on `body`, along X" in found[0].message
+    # the tool leans about Y by as much as it points to the side; B turns the head by that
+    x, z = (float(word[1:]) for word in found[0].message.split("along ")[1].split(":")[0].split() if word[0] in "XZ")
+    leaning = np.arctan2(abs(x), z)
+    assert "B would be at" in found[0].message and found[0].unit == "rad"
+    assert found[0].value is not None and abs(found[0].value) == pytest.approx(leaning, abs=1e-3)
+    assert found[0].limit is not None and abs(found[0].limit) == pytest.approx(np.radians(5.0))
+    # it is told when B comes to that end
+    assert found[0].time is not None and job.plan is not None
+    place = job.plan.trajectory.sample(found[0].time + np.array([-0.01, 0.0]))
+    before, then = np.degrees(np.abs(job.plan.joints(place)[:, 3]))
+    assert before < then <= 5.0 + 1e-6 and then > 4.99
 
 
 @pytest.mark.parametrize("smooth", [4, 8, 15, 25])
