@@ -136,5 +136,7 @@ class PathFindings(Findings):
             elif time is None and finding.span in path.spans:
                 row = int(np.argmax(path.source == path.spans.index(finding.span)))
                 time = float(trajectory.row_start[row])
+            elif time is None:
+                time = next((timed.time for timed in trajectory.events if timed.event.span == finding.span), None)
             out.add(replace(finding, time=time))
         return out

@@ -108,6 +108,26 @@ def test_what_cannot_be_is_a_finding(cell: str, program: str, found: tuple[str, 
     assert found in _codes(cell, program)
 
 
+def test_a_stand_is_out_of_reach_by_as_much_as_it_is_too_far_and_told_when_its_tool_is_changed() -> None:
+    """The wrist is 10 mm below joint 2, and 0.5 mm less or more from it than the stretched arm is long."""
+    link = 560.0 + (515.0**2 + 25.0**2) ** 0.5
+    for beyond in (-0.5, 0.5):
+        across = 25.0 + (link**2 - 10.0**2) ** 0.5 + beyond
+        place = f"xyz: [{across:.4f}, 0, 300], rpy: [180, 0, 0], approach: 1, slide: [-10, 0, 0]"
+        there = f"    1: {{in: world, {place}}}\n"
+        lines = [there if line.startswith("    1: {in") else line for line in CELL.splitlines(keepends=True)]
+        job = _job("".join(lines), "G21 G90\nG0 X10 Y0 Z40\nT1 M6\nG0 X20\nM2\n")
+        check(job)
+        told = [f for f in job.findings if f.code == "GS232"]
+        assert len(told) == (beyond > 0.0)
+        for finding in told:
+            assert finding.value is not None and finding.limit is not None and job.plan is not None
+            assert finding.limit == pytest.approx(link * 1e-3, abs=1e-9)
+            assert finding.value - finding.limit == pytest.approx(beyond * 1e-3, rel=1e-3)
+            assert finding.span.line == 3
+            assert finding.time == pytest.approx(job.plan.trajectory.row_end[0])
+
+
 @pytest.mark.parametrize(
     ("way", "hits"),
     [
