@@ -31,7 +31,7 @@ frames: {{table: {{in: world, xyz: [400, 300, -400]}}}}
 work_offsets: {{G54: {{in: table}}}}
 {STOCK}
 m_codes: {{M10: {{tool: activate}}, M11: {{tool: deactivate}}}}
-log: {{period: 20 ms}}
+simulation: {{rate: 250 Hz}}
 """
 NO_STOCK = CELL.replace(STOCK, "")
 ACROSS = """G21 G90 G17 G94 G61
