@@ -53,6 +53,8 @@ class ToldRegion(Protocol):
     def gap(self) -> float | None: ...
     @property
     def time(self) -> float | None: ...
+    @property
+    def others(self) -> Sequence[Span]: ...
 
 
 def target_findings(
@@ -86,7 +88,7 @@ def _finding(region: ToldRegion, tolerance: float, program: Span) -> Diagnostic:
     place = f"X{x} Y{y} Z{z} ({region.system})"
     deep = f"{region.depth / MM:.3f} mm"
     if region.gouge:
-        message = f"gouge, {deep} deep at {place}: {size} of the target are missing; {_blame(region)}"
+        message = f"gouge, {deep} deep at {place}: {size} of the target are missing; {_blame(region)}{_others(region)}"
         hint = "compare the end of this line with the drawing, then tool and offsets"
         if region.guilty is None:
             hint = "is the stock as large as the target, and does it stand where the target does?"
@@ -119,6 +121,15 @@ def _blame(region: ToldRegion) -> str:
     if len(numbers) > _MOST_LINES:
         return f"by {tool} and others in {len(numbers)} lines from {numbers[0]} to {numbers[-1]}"
     return f"by {tool} in lines {', '.join(map(str, numbers))}"
+
+
+def _others(region: ToldRegion) -> str:
+    """Who would gouge there without the line that is to blame, in words."""
+    numbers = sorted({span.line for span in region.others})
+    if not numbers:
+        return ""
+    some = ", ".join(map(str, numbers[:_MOST_LINES])) + (", …" if len(numbers) > _MOST_LINES else "")
+    return f"; line {some} goes there as well" if len(numbers) == 1 else f"; lines {some} go there as well"
 
 
 def loose_finding(loose: Sequence[tuple[float, str, Point]], program: Span) -> Iterator[Diagnostic]:

@@ -357,6 +357,10 @@ def _target() -> Json:
                         share=number("of the volume"),
                     ),
                 ),
+                others=array(
+                    "of a gouge: further lines, up to 20, that go through it and would make one there themselves",
+                    record("a line", file=text("of the program"), line=whole("where")),
+                ),
             ),
         ),
         loose=array(

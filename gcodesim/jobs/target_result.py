@@ -35,6 +35,7 @@ class RegionResult:
 
     `lines` made its faces, the one with the greatest share first; `guilty` is the one to look at, with its `tool` and
     path row in program `program`. Where no tool made a face, it is the one that came nearest, up to `gap` [m], or None.
+    `others` go through a gouge as well: they would make one there once `guilty` is mended.
     """
 
     gouge: bool
@@ -50,6 +51,7 @@ class RegionResult:
     tool: int | None
     gap: float | None
     time: float | None
+    others: Sequence[Span] = ()
 
     def as_json(self) -> dict[str, Any]:
         return {
@@ -66,6 +68,7 @@ class RegionResult:
             "tool": self.tool,
             "gap_mm": None if self.gap is None else rounded(self.gap / MM),
             "lines": [line.as_json() for line in self.lines],
+            "others": [{"file": span.file, "line": span.line} for span in self.others],
         }
 
 

@@ -35,6 +35,18 @@ if TYPE_CHECKING:
 AS_DEEP: Final = 0.9
 """Faces with this share of the greatest depth count as the deepest: the first line that made one is to blame."""
 
+SURELY: Final = 0.7
+"""Share of a depth to which the target surely reaches out around its place: depths may be taken along columns."""
+
+PLACES: Final = 9
+"""Faces of a gouge at which further lines are looked for."""
+
+AS_GREAT: Final = 0.5
+"""Lines that left this share of what the line with the most has left count as well: the first is to blame."""
+
+EXACT: Final = 0.05
+"""Share of the slack within which a face is looked for first: most are exactly where a tool has been."""
+
 MOST_LINES: Final = 20
 """Lines of a region in the results."""
 
@@ -155,7 +167,9 @@ class _Blame:
 
     def __init__(self, job: Job, placed: PlacedStock, passes: Passes) -> None:
         assert job.shop is not None
+        assert job.cell is not None and job.cell.target is not None
         self._job, self._placed, self._passes = job, placed, passes
+        self._tolerance = job.cell.target.tolerance
         self._paths = [self._path_of(each) for each in job.all]
         self._feeds = [(path.kind != RAPID) & (path.kind != HOME) for path in self._paths]
         self._slack = slack_of(placed.stock.cell)
@@ -202,6 +216,7 @@ class _Blame:
             tool=None if guilty is None else path.states[path.state[row]].tool,
             gap=None if guilty is None else guilty.gap,
             time=None if guilty is None else float(plan.trajectory.row_start[row]),
+            others=self._others(region, guilty),
         )
 
     def _loose(self, volume: float, at: Array) -> LooseResult:
@@ -209,10 +224,12 @@ class _Blame:
         return LooseResult(volume=volume, system=system, at=place)
 
     def _guilty(self, region: Misfit) -> _Guilty | None:
-        makers = self._passes.makers(region.faces, self._slack, within=True)
+        makers = self._makers(region.faces)
         made = makers.gap <= self._slack
         if made.any():
             deep = made & (region.depths >= AS_DEEP * region.depths[made].max())
+            if not region.gouge:
+                deep = self._greatest(makers, deep, region.volumes)
             row, program, _ = self._first(makers, np.flatnonzero(deep))
             return _Guilty(row=row, program=program, gap=None, lines=self._lines(makers, made, region.volumes))
         if region.gouge:
@@ -222,6 +239,41 @@ class _Blame:
         if near.row[0] < 0:
             return None
         return _Guilty(row=int(near.row[0]), program=int(near.program[0]), gap=max(float(near.gap[0]), 0.0), lines=())
+
+    def _others(self, region: Misfit, guilty: _Guilty | None) -> tuple[Span, ...]:
+        """Further lines than those that made its faces that go through a gouge, looked for at some of these.
+
+        All that is nearer to a face than the skin of the target belongs to the target: what comes so near cuts into it.
+        """
+        if guilty is None or not region.gouge:
+            return ()
+        lines: dict[tuple[str, int], Span] = {}
+        for face in np.linspace(0, len(region.faces) - 1, min(PLACES, len(region.faces))).astype(np.int64).tolist():
+            reach = SURELY * float(region.depths[face]) - self._tolerance
+            for program, row in self._passes.through(region.faces[face], reach) if reach > 0.0 else ():
+                span = self._paths[program].span(row)
+                lines.setdefault((span.file, span.line), span)
+        for told in (self._paths[guilty.program].span(guilty.row), *(line.span for line in guilty.lines)):
+            lines.pop((told.file, told.line), None)
+        return tuple(lines[key] for key in sorted(lines))[:MOST_LINES]
+
+    def _makers(self, faces: Array) -> Makers:
+        """The first pass that made each face; one that is exactly there before one beside it, such as at a wall."""
+        near = self._passes.makers(faces, self._slack, within=True)
+        exact = self._passes.makers(faces, EXACT * self._slack, within=True)
+        for known, found in zip((near.row, near.program, near.gap), (exact.row, exact.program, exact.gap), strict=True):
+            known[exact.row >= 0] = found[exact.row >= 0]
+        return near
+
+    @staticmethod
+    def _greatest(makers: Makers, deep: NDArray[np.bool_], volumes: Array) -> NDArray[np.bool_]:
+        """Those of some faces whose row has left most standing, or nearly: lines beside it made walls of it at most."""
+        faces = np.flatnonzero(deep)
+        rows, which = np.unique(np.stack([makers.program, makers.row])[:, faces], axis=1, return_inverse=True)
+        left = np.bincount(which.ravel(), weights=volumes[faces], minlength=rows.shape[1])
+        great = np.zeros_like(deep)
+        great[faces[left[which.ravel()] >= AS_GREAT * left.max()]] = True
+        return great
 
     def _first(self, makers: Makers, among: NDArray[np.intp]) -> tuple[int, int, float]:
         """Row and program of the earliest pass among those of some faces."""

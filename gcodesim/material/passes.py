@@ -88,6 +88,29 @@ class Passes:
         row[known], program[known] = rows[maker[known]], programs[maker[known]]
         return Makers(row=row, program=program, gap=gap)
 
+    def through(self, point: Array, reach: float) -> list[tuple[int, int]]:
+        """Program and row of all passes that came to within `reach` [m] of a point (3,), in the order of the run.
+
+        A row that was as near already where it began only goes away from where the one before it has led.
+        """
+        from gcodesim.material.pass_kernels import nearest_pass, pass_distance
+
+        near = self.beside(point, reach)
+        pieces, rows, programs = near._joined()
+        if not len(rows):
+            return []
+        bodies = near._bodies()
+        found: list[tuple[int, int]] = []
+        done: set[tuple[int, int]] = set()
+        for piece, own in enumerate(zip(programs.tolist(), rows.tolist(), strict=True)):
+            begins = piece == 0 or rows[piece - 1] != rows[piece] or programs[piece - 1] != programs[piece]
+            if begins and pass_distance(pieces, bodies, piece, 0.0, point) <= reach:
+                done.add(own)
+            if own not in done and nearest_pass(pieces, bodies, piece, point, reach, reach) <= reach:
+                done.add(own)
+                found.append(own)
+        return found
+
     def beside(self, point: Array, reach: float) -> Passes:
         """Those that may come to within `reach` [m] of a point (3,)."""
         pieces, rows, programs = self._joined()

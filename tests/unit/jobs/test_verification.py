@@ -214,3 +214,40 @@ def test_ridges_and_volumes_are_told_of_each_operation(outcome):
 
 def test_a_flat_mill_leaves_no_ridges(outcome):
     assert outcome(GOOD, SLOTTED).as_json()["target"]["scallops"] == []
+
+
+@pytest.mark.parametrize("middle", [13, 18, 23])
+def test_a_line_that_is_too_high_is_to_blame_and_not_those_beside_it(outcome, middle):
+    """Its neighbours made walls of what it left, and the one before it was there first."""
+    rows = [
+        line
+        for number, y in ((8, 3.74), (13, 9.24), (18, 14.74), (23, 20.24), (28, 25.74), (33, 29.0))
+        for line in ("G0 X-5", f"Y{y}", f"G1 Z{-1.3 if number == middle else -2} F300", "X45 F600", "G0 Z2")
+    ]
+    floor = extruded([(0, -10), (30, -10), (30, -2), (0, -2)], [(0, 1, 2, 3)])
+    results = outcome(rows, floor, tool="{type: flat_end_mill, diameter: 8, length: 40}")
+
+    assert told(results) == [("GS442", middle)]
+    (region,) = results.as_json()["target"]["regions"]
+    assert region["depth_mm"] == pytest.approx(0.7, abs=0.01)
+
+
+def test_a_second_line_that_gouges_the_same_place_is_told(outcome):
+    """Once the first is mended it would be the next; lines that only lead away from there are none."""
+    deep = [
+        "G0 X-5 Y15 Z2",
+        "G1 Z-2.8 F300",
+        "X45 F600",
+        "G0 Z2",
+        "X-5",
+        "G1 Z-2 F300",
+        "X45 F600",
+        "G0 Z2",
+        "X20",
+    ]  # of 40 mm
+    results = outcome([*deep, "G1 Z-2.6 F300", "G0 Z2", "X-5", "G1 Z-2.8 F300", "X45 F600"], SLOTTED)
+    assert told(results) == [("GS441", 7)]
+    (region,) = results.as_json()["target"]["regions"]
+    assert [line["line"] for line in region["others"]] == [14, 18]
+    (finding,) = (f for f in results.findings if f.code == "GS441")
+    assert finding.message.endswith("by T1; lines 14, 18 go there as well")
