@@ -154,6 +154,10 @@ class _Pairs:
         owners, others = zip(*met, strict=True)
         return _Pairs(owners, others, moving.couple(travel), table, sights, room, moving)
 
+    def bounded_by(self, travel: Array) -> _Pairs:
+        """The same for joints that shift by no more than `travel` (j,)."""
+        return replace(self, couple=self.moving.couple(travel))
+
     def look(self, q: Array, state: Array, *, whether: bool) -> tuple[Array, int]:
         """What happens (p, n, 3) on the way through joints q (n + 1, j), and how many steps are free.
 
@@ -211,9 +215,9 @@ class StockWatch:
         """The run goes on with a plan that has further legs."""
         self.plan = plan
         travel = self._travel_of(plan)
-        if (travel > self._travel).any():  # pairs are bounded by how far joints go
+        if (travel > self._travel).any():  # pairs are bounded by how far joints go, and by nothing else of the way
             self._travel = travel
-            self._known.clear()
+            self._known = {tool: pairs and pairs.bounded_by(travel) for tool, pairs in self._known.items()}
 
     # ---- in the thread that cuts
 

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 import gcodesim
+from gcodesim.checks import stock_watch
 from gcodesim.executor.record import StepRecord
 from gcodesim.frames import quaternion_from_rotation
 from gcodesim.log.summary import summary
@@ -432,6 +433,19 @@ def test_drawings_are_in_the_log_from_their_time_on(tmp_path: Path) -> None:
             cell.draw(SLOT, frame="G99")
     counts = [len(update.entities) for _, update in read_messages(tmp_path / "out" / "run.mcap", "/scene/drawn")]
     assert counts == [1, 5, 0]
+
+
+def test_bodies_beside_the_stock_are_prepared_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each step takes joints farther than before; a script that looks after each had trees of all bodies made anew."""
+    made = []
+    monkeypatch.setattr(stock_watch._Pairs, "of", lambda *given, of=stock_watch._Pairs.of: made.append(1) or of(*given))
+    with gcodesim.open_cell(_cell(tmp_path)) as cell:
+        arm = cell.robot()
+        for step in range(20):
+            arm.set_joint_position({arm.joint_names[0]: 0.01 * step})
+            cell.step(0.02)
+            assert arm.joint_state.position.shape == (6,)
+    assert len(made) == 1
 
 
 def test_a_base_on_axes_is_moved_like_joints(tmp_path: Path) -> None:
