@@ -85,8 +85,7 @@ def execute_together(
     things = _parts_of(channels, world_name, dt_ns)
     loose = _loose_of(channels, world_name, dt_ns)
     tracks = [
-        Track(brought, world_name, dt_ns, passes, number, things, loose, pacing.period)
-        for number, brought in enumerate(channels)
+        Track(brought, world_name, pacing, passes, number, things, loose) for number, brought in enumerate(channels)
     ]
     first_track = tracks[0]
     watcher = first_track.watcher

@@ -15,7 +15,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.arithmetic.distinct import distinct
-from gcodesim.executor.window import LONGEST_CHORD, MOST_PARTS
 from gcodesim.frozen import frozen
 
 if TYPE_CHECKING:
@@ -27,8 +26,16 @@ if TYPE_CHECKING:
 Ints = NDArray[np.int64]
 Flags = NDArray[np.bool_]
 
-MOST_STEPS: Final = 2000
+BEAT: Final = 125
+"""Ticks after which processes that look at a stock for many steps at once look anew, where every tick is a step."""
+
+MOST_STEPS: Final = 16 * BEAT
 """Steps of one window: enough to spread the cost of a window, few enough to stay small in memory."""
+
+LONGEST_CHORD: Final = 0.25e-3
+"""Greatest length [m] of a piece in a feed: on a radius of 2 mm it leaves the arc by 4 um."""
+
+MOST_PARTS: Final = 64  # of one step
 
 LONGEST_WAY: Final = MOST_PARTS * LONGEST_CHORD
 """The longest way [m] of a step at feed: a window divides it into chords that still follow an arc."""
@@ -45,6 +52,9 @@ class Pacing:
     every multiple of so many ticks; 0: none does so. `period`: the log looks within steps, with every multiple of so
     many ticks; 0: at the ends of steps alone. `at_one_rate`: all of a step has one acceleration, since a force is asked
     of it; else a step is as much of a row as `reach` allows.
+
+    With every multiple of `beat` ticks, or the step that comes to it, processes look at stocks anew that do so for many
+    steps at once, and windows end there: so no number depends on where they do.
     """
 
     dt_ns: int
@@ -52,6 +62,7 @@ class Pacing:
     pace: int = 0
     period: int = 0
     at_one_rate: bool = True
+    beat: int = BEAT
 
     def windows(
         self, plan: Plan, rapid: Flags, first: int, last: int, most: int, stops: Sequence[int] = ()
@@ -62,15 +73,20 @@ class Pacing:
         that are rapids. A window of single ticks ends with each of `stops`, too.
         """
         if self.reach is None:
-            borders = sorted({*range(first, last, min(most, MOST_STEPS)), *stops, last})
+            whole = min(most, MOST_STEPS)
+            borders = sorted({first, *range((first // whole + 1) * whole, last, whole), *stops, last})
             for begin, end in pairwise(borders):
                 yield np.arange(begin, end + 1, dtype=np.int64)
             return
         ticks = self._ticks(plan.trajectory, rapid, first, last)
         at, count = 0, len(ticks) - 1
+        beats = np.flatnonzero(fresh_steps(ticks, self.beat))
         while at < count:
             wanted = (int(ticks[at]) // most + 1) * most
-            end = min(int(np.searchsorted(ticks, wanted)), at + MOST_STEPS, count)
+            end = min(int(np.searchsorted(ticks, wanted)), count)
+            if end > at + MOST_STEPS:
+                beat = int(beats[np.searchsorted(beats, at + MOST_STEPS, side="right") - 1])
+                end = beat if beat > at else at + MOST_STEPS
             yield ticks[at : end + 1]
             at = end
 
@@ -117,6 +133,13 @@ class Pacing:
         ticks = distinct(np.concatenate(wanted))
         kept: Ints = ticks[(ticks >= first) & (ticks <= last)]
         return kept
+
+
+def fresh_steps(ticks: Ints, beat: int) -> Flags:
+    """Which of the steps between `ticks` (n + 1,) begin with a new beat of so many ticks (n,)."""
+    beats = ticks[:-1] // beat
+    fresh: Flags = np.append(True, beats[1:] != beats[:-1])
+    return fresh
 
 
 def may_follow_path(shop: Shop, only: Only | None = None) -> bool:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import cache
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -60,7 +60,7 @@ class Chords:
     in `share` (c, 2) of it, of path `row`; `filament` (c,) [m] if there is any.
 
     `R_SB` (1 or n, 3, 3) turns from base axes into those of the target at the ends of steps, `R_before` does so at
-    their beginnings.
+    their beginnings; `moves` (n,) are the steps in which it moves itself, None: it does so in none.
     """
 
     start: Array
@@ -71,13 +71,15 @@ class Chords:
     filament: Array | None
     R_SB: Array
     R_before: Array
+    moves: Flags | None = None
 
     @staticmethod
     def of(span: StepSpan, first_X: Array, X_BS: Array) -> Chords:
         """Seen from a target that is at X_BS (n, 4, 4) at the ends of steps, and comes from `first_X` (1, 4, 4)."""
-        if (X_BS[:, :3] != first_X[:, :3]).any():
-            return Chords._of_moving(span, np.concatenate([first_X, X_BS[:-1]]), X_BS)
-        steps = span.steps
+        steps, held = span.steps, np.concatenate([first_X, X_BS[:-1]])
+        moves = (X_BS[:, :3] != held[:, :3]).any(axis=(1, 2))
+        if moves.any():
+            return Chords._of_moving(span, held, X_BS, moves)
         first, last = np.searchsorted(steps.piece_step, [span.begin, span.end])
         R_SB, p = X_BS[:1, :3, :3].transpose(0, 2, 1), X_BS[0, :3, 3]
         return Chords(
@@ -92,18 +94,35 @@ class Chords:
         )
 
     @staticmethod
-    def _of_moving(span: StepSpan, held: Array, X_BS: Array) -> Chords:
-        """The table turns or travels: chords between the ends of steps."""
-        steps, here = span.steps, span.here
+    def _of_moving(span: StepSpan, held: Array, X_BS: Array, moves: Flags) -> Chords:
+        """The table turns or travels in some steps, which are chords between their ends; others have their pieces."""
+        steps, here, moving = span.steps, span.here, np.flatnonzero(moves)
+        first, last = np.searchsorted(steps.piece_step, [span.begin, span.end])
+        within = steps.piece_step[first:last] - span.begin
+        still = ~moves[within]
+        standing, pieces = X_BS[within[still]], slice(first, last)
+        step = np.concatenate([within[still], moving])
+        order = np.argsort(step, kind="stable")
+
+        def joined(of_pieces: NDArray[Any], of_steps: NDArray[Any]) -> NDArray[Any]:
+            return np.concatenate([of_pieces, of_steps])[order]
+
+        filament, whole = steps.piece_filament, _of_steps(span)
         return Chords(
-            start=_into(held, steps.tip_before[here, :3, 3]),
-            stop=_into(X_BS, steps.tip[here, :3, 3]),
-            step=np.arange(len(span)),
-            share=np.tile(_BOTH_ENDS, (len(span), 1)),
-            row=steps.row[here],
-            filament=_of_steps(span),
+            start=joined(
+                _into(standing, steps.piece_start[pieces][still]),
+                _into(held[moves], steps.tip_before[here][moves, :3, 3]),
+            ),
+            stop=joined(
+                _into(standing, steps.piece_end[pieces][still]), _into(X_BS[moves], steps.tip[here][moves, :3, 3])
+            ),
+            step=step[order],
+            share=joined(steps.piece_share[pieces][still], np.tile(_BOTH_ENDS, (len(moving), 1))),
+            row=joined(steps.piece_row[pieces][still], steps.row[here][moves]),
+            filament=None if filament is None or whole is None else joined(filament[pieces][still], whole[moves]),
             R_SB=X_BS[:, :3, :3].transpose(0, 2, 1),
             R_before=held[:, :3, :3].transpose(0, 2, 1),
+            moves=moves,
         )
 
     def velocity(self, dt: Array) -> Array:
@@ -113,11 +132,12 @@ class Chords:
         return velocity
 
     def turn(self, span: StepSpan) -> Callable[[float], Array] | None:
-        """`Window.turn` of a span; None where the target moves, too.
+        """`Window.turn` of a span; NaN in steps in which the target moves, too, and None if it does so in all.
 
         Each part of a window asks for the turns of all of it; where tools cut together these are hundreds.
         """
-        if len(self.R_SB) != 1:
+        moves = self.moves
+        if moves is not None and moves.all():
             return None
 
         @cache
@@ -126,7 +146,8 @@ class Chords:
             first, second = applied(self.R_SB, first), applied(self.R_SB, second)
             across = first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]
             angle = atan2(across, first[:, 0] * second[:, 0] + first[:, 1] * second[:, 1])
-            return angle / np.where(way > 0.0, way, 1.0)
+            turns = angle / np.where(way > 0.0, way, 1.0)
+            return turns if moves is None else np.where(moves, np.nan, turns)
 
         return turn
 
@@ -211,6 +232,7 @@ class StintMaker:
             where=_places(where, X_BS),
             compliance=self._compliance(task, span, chords.R_SB),
             turn=chords.turn(span),
+            fresh=steps.fresh[here],
         )
         return Stint(
             task=task,

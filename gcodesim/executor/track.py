@@ -40,6 +40,7 @@ from gcodesim.world import RobotBody, WorldSteps, open_world, tool_body, usual_c
 if TYPE_CHECKING:
     from gcodesim.checks.stock_watch import StockWatch
     from gcodesim.executor.loose_bodies import LooseBodies, LooseBody
+    from gcodesim.executor.pacing import Pacing
     from gcodesim.material.passes import Passes
     from gcodesim.planning import Plan
 
@@ -145,17 +146,14 @@ class Track:
         self,
         brought: TrackPlan,
         world_name: str,
-        dt_ns: int,
+        pacing: Pacing,
         passes: dict[str, Passes] | None = None,
         number: int = 0,
         parts: PartRun | None = None,
         loose: LooseBodies | None = None,
-        period: int = 0,
     ) -> None:
-        """`passes` are those at each stock, kept for all channels; `number` is that of this one.
-
-        `period`: see `Pacing`.
-        """
+        """`passes` are those at each stock, kept for all channels; `number` is that of this one."""
+        dt_ns = pacing.dt_ns
         plan, shop = brought.plan, brought.shop
         self.parts, self._loose = parts, loose
         self.load: dict[str, tuple[Pose, MassOfSkin]] = {}
@@ -164,8 +162,7 @@ class Track:
             parts.devices.follow(shop.channel, plan)
         self.plan, self.shop, self.watcher = plan, shop, brought.watcher
         self.rows = RowColumns.of(plan.path, shop)
-        self._period = 0 if brought.watcher is None else period
-        self._inspect, self._dt_ns, self._bodies = brought.inspect, dt_ns, brought.bodies
+        self._inspect, self._pacing, self._dt_ns, self._bodies = brought.inspect, pacing, dt_ns, brought.bodies
         self._sheet = shop.sheet
         self._totals = RowTotals.zeros(len(self.rows.tool), self._sheet)
         self._standing: dict[str, float] = {}
@@ -193,11 +190,11 @@ class Track:
 
     def begin(self) -> None:
         """Put the first tool on the flange, and show the watcher the state at the start."""
-        plan, rows, dt_ns = self.plan, self.rows, self._dt_ns
+        plan, rows = self.plan, self.rows
         self.attach(int(rows.tool[0]))
         self.world.reset(self._home)
         if self.watcher is not None:
-            still = window_of(plan, rows, np.array([-1, 0]), dt_ns, first_carry(plan, rows))
+            still = window_of(plan, rows, np.array([-1, 0]), self._pacing, first_carry(plan, rows))
             self.watcher.start(self.world.run(self._home[None]), still)
             self.world.reset(self._home)
 
@@ -220,8 +217,8 @@ class Track:
         return first_carry(self.plan, self.rows, first * self._dt_ns)
 
     def window(self, ticks: Ints, carry: Carry) -> StepWindow:
-        asked = self.world.tells_efforts
-        return window_of(self.plan, self.rows, ticks, self._dt_ns, carry, asked=asked, period=self._period)
+        asked, looked = self.world.tells_efforts, self.watcher is not None
+        return window_of(self.plan, self.rows, ticks, self._pacing, carry, asked=asked, looked=looked)
 
     def run_world(self, window: StepWindow, begin: int, end: int, wrench: Array | None = None) -> WorldSteps:
         """Move through steps `begin` to `end`, in which the tool feels `wrench` (n, 6), base axes.

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from gcodesim.arithmetic.distinct import distinct
 from gcodesim.arithmetic.matrices import norms
 from gcodesim.executor.looks import Looks, looks_of
+from gcodesim.executor.pacing import LONGEST_CHORD, MOST_PARTS, Pacing, fresh_steps
 from gcodesim.executor.tasks import RowColumns
 from gcodesim.frames import Array
 from gcodesim.frozen import frozen
@@ -22,11 +23,6 @@ if TYPE_CHECKING:
     from gcodesim.planning import Plan
 
 Ints = NDArray[np.int64]
-
-LONGEST_CHORD: Final = 0.25e-3
-"""Greatest length [m] of a piece in a feed: on a radius of 2 mm it leaves the arc by 4 um."""
-
-MOST_PARTS: Final = 64  # of one step
 
 STILL: Final = 1.0e-6
 """[m] by which the tip may move against the control point while the tool does not turn."""
@@ -102,6 +98,7 @@ class StepWindow:
     `piece_share` (m, 2) of the step, in row `piece_row` (m,), with
     `piece_filament` (m,) [m] through the nozzle (None: no E words). `others` are the commanded joints (n, j) of further
     movers by name, where several programs run at once, and `others_begin` (j,) those before the first step.
+    `fresh` (n,) are the steps with which a new beat begins, see `Pacing`.
     `bends(onward)` tells how the path goes on for `onward` [m] from where each step begins, in B; its directions are
     NaN in a step in which the tip goes another way than the control point, since the tool turns.
     """
@@ -124,6 +121,7 @@ class StepWindow:
     piece_filament: Array | None = None
     others: dict[str, Array] = field(default_factory=dict)
     others_begin: dict[str, Array] = field(default_factory=dict)
+    fresh: NDArray[np.bool_]
     command: AskedTicks | None = None
     looks: Looks | None = None
     bends: Callable[[float], Bend]
@@ -164,15 +162,16 @@ def first_carry(plan: Plan, rows: RowColumns, t_ns: int = 0) -> Carry:
 
 
 def window_of(
-    plan: Plan, rows: RowColumns, ticks: Ints, dt_ns: int, carry: Carry, *, asked: bool = True, period: int = 0
+    plan: Plan, rows: RowColumns, ticks: Ints, pacing: Pacing, carry: Carry, *, asked: bool = True, looked: bool = True
 ) -> StepWindow:
-    """Sample the steps between `ticks` (n + 1,) of `dt_ns` each; `carry` is brought to the end of the window.
+    """Sample the steps between `ticks` (n + 1,); `carry` is brought to the end of the window.
 
-    `asked`: whether a world is asked about speeds, so that it has to be told single ticks. `period`: see `Pacing`.
+    `asked`: whether a world is asked about speeds, so that it has to be told single ticks. `looked`: whether there is
+    a log that looks.
 
     The plan's path is in base axes, so the control point needs no transform.
     """
-    count = len(ticks) - 1
+    count, dt_ns, period = len(ticks) - 1, pacing.dt_ns, pacing.period if looked else 0
     times: Array = (ticks * dt_ns).astype(float) * 1e-9
     dt: Array = np.diff(ticks) * (dt_ns * 1e-9)
     trajectory = plan.trajectory
@@ -227,6 +226,7 @@ def window_of(
         piece_row=np.clip(trajectory.rows_at(centre), 0, last),
         piece_filament=trajectory.filament_between(at_knots),
         bends=_bends(plan, at_knots.at(np.searchsorted(knot_time, times[:-1])), norms(gap - gap_before) > STILL),
+        fresh=fresh_steps(ticks, pacing.beat),
         command=command_of(plan, ticks, ticks[:0] if looks is None else looks.ticks, dt_ns) if long else None,
         looks=looks,
     )

@@ -11,6 +11,9 @@ from gcodesim.observation.schedule import stations_of
 
 LONGEST_PERIOD_NS: Final = 10 * NS
 
+BEAT_PACES: Final = 25
+"""Usual records of the log in a beat."""
+
 SHAPE_CELLS: Final = 4
 """Cells of the finest stock in a step where only the shape is asked for: so exactly is told what part of a way cuts."""
 
@@ -21,10 +24,11 @@ def pacing_of(job: Job) -> Pacing:
     tick = job.cell.simulation.step_ns
     if not _follows_path(job):
         return Pacing(dt_ns=tick)
-    if job.options.only == "shape":
-        return Pacing(dt_ns=tick, reach=cell_reach(job.shop, SHAPE_CELLS), at_one_rate=False)
     pace, period = max(1, round(_usual_period_ns(job) / tick)), log_period_ns(job) // tick
-    return Pacing(dt_ns=tick, reach=cell_reach(job.shop), pace=pace, period=period if period % pace else 0)
+    beat = BEAT_PACES * pace
+    if job.options.only == "shape":
+        return Pacing(dt_ns=tick, reach=cell_reach(job.shop, SHAPE_CELLS), at_one_rate=False, beat=beat)
+    return Pacing(dt_ns=tick, reach=cell_reach(job.shop), pace=pace, period=period if period % pace else 0, beat=beat)
 
 
 def log_period_ns(job: Job) -> int:

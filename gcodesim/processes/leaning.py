@@ -32,9 +32,13 @@ BESIDE: Final = 1.0
 
 @frozen(kw_only=False, eq=False)
 class Leaning:
-    """In which parts (m,) of a window's steps a tool leans, and its axis at both ends of a step (n, 3)."""
+    """In which parts (m,) of a window's steps a tool leans, and its axis at both ends of a step (n, 3).
+
+    Parts that are cut at once begin at `fresh` ones (m,): see `Window`.
+    """
 
     parts: Flags
+    fresh: Flags
     before: Array
     after: Array
     window: Window
@@ -46,7 +50,11 @@ class Leaning:
         """For all parts of the steps of a window."""
         after = window.axis
         before = after if window.axis_before is None else window.axis_before
-        return Leaning(leaning_steps(window)[turns.step], before, after, window)
+        leans = leaning_steps(window)[turns.step]
+        fresh = np.zeros(len(leans), dtype=bool)
+        if window.fresh is not None:
+            fresh[turns.first[window.fresh]] = True
+        return Leaning(leans, fresh, before, after, window)
 
     def axes(self, first: int, end: int) -> tuple[Array, Array]:
         """The axes (end - first, 3) of the tool in pieces first … end - 1, at both ends."""
@@ -58,11 +66,11 @@ class Leaning:
 
     def part(self, here: slice, first_piece: int) -> Leaning:
         """That of some parts, of which the first begins with a piece of the window."""
-        return Leaning(self.parts[here], self.before, self.after, self.window, first_piece)
+        return Leaning(self.parts[here], self.fresh[here], self.before, self.after, self.window, first_piece)
 
     def runs(self) -> list[tuple[int, int, bool]]:
-        """Stretches of parts (first, end, whether the tool leans) in order."""
-        borders = np.flatnonzero(np.diff(self.parts)) + 1
+        """Stretches of parts (first, end, whether the tool leans) in order, which are cut at once."""
+        borders = np.flatnonzero(np.diff(self.parts) | self.fresh[1:]) + 1
         ends = [0, *borders.tolist(), len(self.parts)]
         return [(a, b, bool(self.parts[a])) for a, b in pairwise(ends) if b > a]
 
@@ -157,10 +165,7 @@ def cut_leaning(
     out[part[:begin], m.INSIDE] = 1.0
     kept.tip[:] = way.ends[-1]
     kept.numbers[m.HAS_TIP] = 1.0
-    taken = out[:, m.REMOVED] > m.LEAST_VOLUME
-    out[taken, m.ENGAGED] = 1.0
-    out[taken & ~motion.rapid & (motion.spindle == 0.0), m.STOPPED] = 1.0
-    out[taken & ~motion.rapid & (motion.spindle < 0.0), m.REVERSED] = 1.0
+    _note_taken(motion, out)
     return out
 
 
@@ -213,10 +218,31 @@ def cut_in_three(process: Milling, stock: Stock, motion: Motion, state: ProcessS
     out = process.run_packed(stock, motion, state)
     _follow(stock, cutter, motion, before, out)
     removed = volume - (stock.volume if room is None else volume_near(stock, room))
-    total = float(out[:, m.REMOVED].sum())
-    if total > 0.0:
-        out[:, m.REMOVED] *= max(removed, 0.0) / total
+    out[:, m.REMOVED] = _shared_out(max(removed, 0.0), out[:, m.REMOVED], motion)
+    _note_taken(motion, out)
     return out
+
+
+def _shared_out(removed: float, along: Array, motion: Motion) -> Array:
+    """A volume [m³] shared out to parts (m,) like what they took `along` Z; by their ways where that is nothing.
+
+    Columns along Z are cut when the tool comes to their middles, those across as it goes.
+    """
+    if not along.any():
+        part = np.repeat(np.arange(len(along)), np.diff(motion.first_piece))
+        along = np.bincount(part, norms(motion.ends - motion.starts), len(along)).astype(float)
+    total = float(along.sum())
+    return along * (removed / total) if total > 0.0 else along
+
+
+def _note_taken(motion: Motion, out: Array) -> None:
+    """Parts that have taken material are engaged, and may do so with a spindle that stands or turns the wrong way."""
+    from gcodesim.processes import milling_kernels as m
+
+    taken = out[:, m.REMOVED] > m.LEAST_VOLUME
+    out[taken, m.ENGAGED] = 1.0
+    out[taken & ~motion.rapid & (motion.spindle == 0.0), m.STOPPED] = 1.0
+    out[taken & ~motion.rapid & (motion.spindle < 0.0), m.REVERSED] = 1.0
 
 
 def _follow(stock: Stock, cutter: Array, motion: Motion, before: Array, out: Array) -> None:

@@ -37,7 +37,8 @@ class Window:
     where there are none. `turn(onward)` tells how much the way turns to the left about Z of S (n,) [1/m] in the next
     `onward` [m] from the beginning of each step, or up to a corner; NaN where that is not known, None if it is known
     nowhere. For what acts on parts, pose (n, 4, 4) is the tip X_ST at the end of each step, pose_before (4, 4) at the
-    beginning of the first.
+    beginning of the first. `fresh` (n,): steps with which a process that looks at the stock for many steps at once has
+    to look anew, so that no number depends on where windows begin; None: it may look as seldom as it likes.
     """
 
     piece_start: Array
@@ -57,6 +58,7 @@ class Window:
     pose: Array | None = None
     pose_before: Array | None = None
     turn: Callable[[float], Array] | None = None
+    fresh: Flags | None = None
 
     @property
     def steps(self) -> int:
@@ -99,6 +101,7 @@ class Window:
             where=None if where is None else lambda frame: where(frame)[steps],
             turn=None if turn is None else lambda onward: turn(onward)[steps],
             pose_before=before,
+            fresh=None if self.fresh is None else self.fresh[steps],
             **ends,
         )
 

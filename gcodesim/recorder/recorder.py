@@ -19,7 +19,7 @@ from gcodesim.files.output_folder import LOG_NAME, RESULTS_NAME
 from gcodesim.frames import Array
 from gcodesim.installed import version_of
 from gcodesim.jobs.job import BULLET
-from gcodesim.jobs.pace import log_period_ns
+from gcodesim.jobs.pace import log_period_ns, pacing_of
 from gcodesim.jobs.results import Results
 from gcodesim.log import (
     Entity,
@@ -168,9 +168,10 @@ class Recorder:
         return 4 if count == 1 else 2 if count <= 4 else 1
 
     def _tile_period(self, duration_ns: int) -> int:
-        """Time between two looks at the stock: a multiple of log period and step."""
+        """Time between two looks at the stock: whole beats, with which windows may end."""
         wanted = max(TILE_PERIOD_NS, duration_ns // MOST_TILE_LOOKS)
-        return -(-wanted // self._period_ns) * self._period_ns
+        beat_ns = pacing_of(self._job).beat * self._step_ns
+        return -(-wanted // beat_ns) * beat_ns
 
     @property
     def interval_steps(self) -> int:

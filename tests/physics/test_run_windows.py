@@ -91,3 +91,54 @@ def test_windows_do_not_show(cell: str, tmp_path: Path, monkeypatch: pytest.Monk
         scale = np.abs(first).max(axis=0)
         assert (np.abs(again - first) <= 1e-12 * scale).all()
         assert left == stock
+
+
+LATHE = """gcodesim: 1
+machine: lathe_xyzc
+stock:
+  cylinder: [40 mm, 60 mm]
+  xyz: [0, 0, -59]
+  material: al6082_t6
+  resolution: 1 mm
+  chuck: {{diameter: 90 mm, grip: 20 mm}}
+tools:
+  1:
+    {{type: flat_end_mill, diameter: 12, flutes: 4, length: 45, driven: true,
+      tcp: {{xyz: [-75, 0, 0], rpy: [0, -90, 0]}}}}
+  2: {{type: flat_end_mill, diameter: 5, flutes: 2, flute_length: 25, length: 50, driven: true}}
+log: {{period: {period} ms}}
+"""
+ACROSS = """G21 G18 G8 G90 G94
+T1 M6 G43
+G97 S4000 M3
+G0 X30 Z14
+O100 sub
+  G0 Z14 C#1
+  X17
+  G1 Z-7 F1200
+  G0 X30
+O100 endsub
+O100 call [0]
+O100 call [60]
+G0 X60 Z60
+T2 M6 G43
+S6000 M3
+G0 C0
+G0 X9 Z2
+G1 Z-4 F100
+G0 Z2
+M2
+"""
+
+
+def test_nor_where_a_tool_looks_at_the_stock_for_many_steps_at_once(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """One leans, and one stands on work that turns in some steps of a window, so that they end within rows."""
+    first, stock = look(run_texts(ACROSS, LATHE.format(period=20), tmp_path / "first"), tmp_path)
+    assert (first.max(axis=0) > 0.0).all()
+    for period, beats, logged in ((12, 16, True), (36, 3, True), (300, 16, True), (20, 16, False), (20, 1, False)):
+        monkeypatch.setattr(pacing, "MOST_STEPS", beats * pacing.BEAT)
+        out = tmp_path / f"{period}-{beats}" if logged else None
+        again, left = look(run_texts(ACROSS, LATHE.format(period=period), out), tmp_path)
+        assert np.array_equal(again, first) and left == stock

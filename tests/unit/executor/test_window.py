@@ -9,8 +9,9 @@ import pytest
 
 from gcodesim.cell.loader import read_cell
 from gcodesim.diagnostics import SourceText
+from gcodesim.executor.pacing import LONGEST_CHORD, Pacing
 from gcodesim.executor.tasks import RowColumns
-from gcodesim.executor.window import LONGEST_CHORD, StepWindow, first_carry, window_of
+from gcodesim.executor.window import StepWindow, first_carry, window_of
 from gcodesim.motion.tool_path import ARC
 from gcodesim.planning.plan import Plan
 from gcodesim.simulation import Options, prepare
@@ -43,10 +44,10 @@ def plan() -> Plan:
 
 
 def windows(plan: Plan, most: int, dt_ns: int = 8 * MS) -> list[StepWindow]:
-    rows = RowColumns.of(plan.path)
+    rows, pacing = RowColumns.of(plan.path), Pacing(dt_ns=dt_ns)
     count = int(-(-plan.trajectory.duration_ns // dt_ns))
     carry = first_carry(plan, rows)
-    return [window_of(plan, rows, np.arange(k, min(k + most, count) + 1), dt_ns, carry) for k in range(0, count, most)]
+    return [window_of(plan, rows, np.arange(k, min(k + most, count) + 1), pacing, carry) for k in range(0, count, most)]
 
 
 def test_the_pieces_follow_each_other_but_for_a_change_of_tool(plan: Plan) -> None:
@@ -74,7 +75,7 @@ def test_lines_are_not_divided_within_steps_that_are_stretches_of_path(plan: Pla
     rows = RowColumns.of(plan.path)
     count = int(-(-plan.trajectory.duration_ns // (8 * MS)))
     ticks = np.append(np.arange(0, count, 4), count)
-    window = window_of(plan, rows, ticks, 8 * MS, first_carry(plan, rows))
+    window = window_of(plan, rows, ticks, Pacing(dt_ns=8 * MS), first_carry(plan, rows))
 
     length = np.linalg.norm(window.piece_end - window.piece_start, axis=1)
     on_arc = plan.path.kind[window.piece_row] == ARC

@@ -76,6 +76,18 @@ def test_a_groove_has_the_silhouette_of_its_cutter(kind):
     assert not found["inside"].any()
 
 
+@pytest.mark.parametrize("kind", ["key_cutter", "dovetail_mill"])
+def test_steps_of_a_quarter_of_a_cell_lose_no_volume(kind):
+    """Columns along the tool are cut when it comes to their middles, those across as it goes: each step by itself."""
+    stock = Stock.box((0.0, 0.0, -12e-3), (12e-3, 16e-3, 0.0), 0.4e-3)
+    before, process = stock.volume, Milling(cutter=cutter(kind), law=STEEL)
+    path, state = line((-5e-3, 8.03e-3, -6e-3), (2e-3, 8.03e-3, -6e-3), 70), process.begin()
+    found = [process.run(stock, window(path[k : k + 2]), state)["removed"][0] for k in range(len(path) - 1)]
+
+    assert sum(found) == pytest.approx(before - stock.volume, rel=1e-9)
+    assert sum(1 for each in found if each > 0.0) >= 60
+
+
 @pytest.mark.parametrize("kind", sorted(set(KINDS) - WITHOUT_EDGES_ASIDE))
 def test_edges_feel_force(kind):
     tool = cutter(kind)
