@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.arithmetic.distinct import distinct
 from gcodesim.arithmetic.elementary import atan, cos, sin
 from gcodesim.frozen import frozen
 
@@ -110,11 +111,11 @@ def lobes(x: Mode, y: Mode, *, ktc: float, ratio: float, teeth: int, entry: floa
         pr, pi_ = -(a1r + sign * rr), -(a1i + sign * ri)
         below = 2.0 * (a0r * a0r + a0i * a0i)
         lr, li = (pr * a0r + pi_ * a0i) / below, (pi_ * a0r - pr * a0i) / below
-        kappa = li / lr
-        depth = -2.0 * pi * lr / (teeth * ktc) * (1.0 + kappa * kappa)
-        good = np.flatnonzero(depth > 0.0)
-        phase = np.array([pi - 2.0 * atan(value) for value in kappa[good]])
-        found.append((frequency[good], depth[good], phase, good + family * (len(frequency) + 1)))
+        good = np.flatnonzero(lr < 0.0)  # elsewhere no depth is the limit
+        kappa = li[good] / lr[good]
+        depth = -2.0 * pi * lr[good] / (teeth * ktc) * (1.0 + kappa * kappa)
+        phase = np.array([pi - 2.0 * atan(value) for value in kappa])
+        found.append((frequency[good], depth, phase, good + family * (len(frequency) + 1)))
     chosen = [np.concatenate(parts) for parts in zip(*found, strict=True)]
     return Lobes(
         frequency=chosen[0], depth=chosen[1], phase=chosen[2], goes_on=np.diff(chosen[3]) == 1, teeth=teeth
@@ -127,7 +128,7 @@ def _tried(x: Mode, y: Mode) -> Array:
     around = np.linspace(-1.0, 1.0, _NEAR)
     parts = [np.linspace(low, high, _EVEN)]
     parts += [mode.frequency * (1.0 + mode.damping * around + around * around * around) for mode in (x, y)]
-    every = np.unique(np.concatenate(parts))
+    every = distinct(np.concatenate(parts))
     return every[(every >= low) & (every <= high)]
 
 
