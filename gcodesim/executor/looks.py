@@ -37,7 +37,7 @@ class Looks:
     dt: float
 
     @property
-    def end_steps(self) -> NDArray[np.bool_]:
+    def at_ends(self) -> NDArray[np.bool_]:
         """Which of them (m,) are at the end of a step."""
         ends: NDArray[np.bool_] = self.share == 1.0
         return ends

@@ -33,8 +33,8 @@ class StepRecord:
     `grips` are what happened to parts, each with its step of the record; `parts` (n, parts, 4, 4) is X_WP of all
     parts, then of all devices, and `things` their frames; both in the record of the first channel. `freed` is what was
     cut loose, each with its step of the record, and `loose` how it falls, where the world is an engine. `beside` are
-    the records of further channels in the same steps, by their movers; in that of the first. `looked`: what the machine
-    does when the log looks at the window, if not at the ends of steps.
+    the records of further channels in the same steps, by their movers; in that of the first. `at_looks`: what the
+    machine does when the log looks at the window, if not at the ends of steps.
     """
 
     window: StepWindow
@@ -51,7 +51,7 @@ class StepRecord:
     freed: tuple[tuple[int, Freed], ...] = ()
     loose: tuple[LooseBody, ...] = ()
     beside: Mapping[str, StepRecord] = field(default_factory=dict)
-    looked: WorldSteps | None = None
+    at_looks: WorldSteps | None = None
 
     def __len__(self) -> int:
         return len(self.window)

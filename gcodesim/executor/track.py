@@ -217,8 +217,8 @@ class Track:
         return first_carry(self.plan, self.rows, first * self._dt_ns)
 
     def window(self, ticks: Ints, carry: Carry) -> StepWindow:
-        asked, looked = self.world.tells_efforts, self.watcher is not None
-        return window_of(self.plan, self.rows, ticks, self._pacing, carry, asked=asked, looked=looked)
+        asked, logged = self.world.tells_efforts, self.watcher is not None
+        return window_of(self.plan, self.rows, ticks, self._pacing, carry, asked=asked, logged=logged)
 
     def run_world(self, window: StepWindow, begin: int, end: int, wrench: Array | None = None) -> WorldSteps:
         """Move through steps `begin` to `end`, in which the tool feels `wrench` (n, 6), base axes.
@@ -311,9 +311,9 @@ class Track:
 
     def take(self, cut: WindowCut, steps: WorldSteps) -> StepRecord:
         """Take over what was done in a window: `steps` at the ends of its steps, or at the moments of `AskedTicks`."""
-        window, looked = cut.window, None
+        window, at_looks = cut.window, None
         if window.command is not None:
-            looked, steps = steps.at(window.command.looks), steps.at(window.command.ends)
+            at_looks, steps = steps.at(window.command.looks), steps.at(window.command.ends)
         feeds = ~self.rows.rapid[window.row] & (window.samples.event < 0)
         record = record_of(window, steps, cut.stints, self._sheet, self._standing, feeds)
         if steps.gear is not None:
@@ -328,7 +328,7 @@ class Track:
             if self._swings is not None:
                 self._swings.add(record, ends)
         if window.looks is not None:
-            record = replace(record, looked=looked)
+            record = replace(record, at_looks=at_looks)
         self._standing = record.standing
         if self._bodies is not None:
             for stretch in cut.stretches:

@@ -162,16 +162,16 @@ def first_carry(plan: Plan, rows: RowColumns, t_ns: int = 0) -> Carry:
 
 
 def window_of(
-    plan: Plan, rows: RowColumns, ticks: Ints, pacing: Pacing, carry: Carry, *, asked: bool = True, looked: bool = True
+    plan: Plan, rows: RowColumns, ticks: Ints, pacing: Pacing, carry: Carry, *, asked: bool = True, logged: bool = True
 ) -> StepWindow:
     """Sample the steps between `ticks` (n + 1,); `carry` is brought to the end of the window.
 
-    `asked`: whether a world is asked about speeds, so that it has to be told single ticks. `looked`: whether there is
+    `asked`: whether a world is asked about speeds, so that it has to be told single ticks. `logged`: whether there is
     a log that looks.
 
     The plan's path is in base axes, so the control point needs no transform.
     """
-    count, dt_ns, period = len(ticks) - 1, pacing.dt_ns, pacing.period if looked else 0
+    count, dt_ns, period = len(ticks) - 1, pacing.dt_ns, pacing.period if logged else 0
     times: Array = (ticks * dt_ns).astype(float) * 1e-9
     dt: Array = np.diff(ticks) * (dt_ns * 1e-9)
     trajectory = plan.trajectory

@@ -113,7 +113,7 @@ class Instants:
 
     def _at_looks(self, record: StepRecord, looks: Looks) -> None:
         """What they do when the log looks: the machine is where it is commanded to be, but for its bend."""
-        window, world, m = record.window, record.looked, len(looks.ticks)
+        window, world, m = record.window, record.at_looks, len(looks.ticks)
         assert world is not None
         both = np.arange(2 * m).reshape(m, 2) + self._ends + 1  # one tick before, and the look
         steps = np.append(np.repeat(looks.step, 2), len(record) - 1)
@@ -154,7 +154,7 @@ class Instants:
         if not len(at):
             self.peaks[name] = max(self.peaks[name], float(size.max(initial=0.0)))
             return np.zeros(0)
-        following = at + 1 if looks is None else at + looks.end_steps  # what is left of a step counts from then on
+        following = at + 1 if looks is None else at + looks.at_ends  # what is left of a step counts from then on
         first = np.concatenate([[0], following[:-1]])
         most: Array = np.maximum.reduceat(np.append(size, 0.0), np.column_stack([first, at + 1]).ravel())[::2]
         most[0] = max(float(most[0]), self.peaks[name])

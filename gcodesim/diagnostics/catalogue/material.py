@@ -182,7 +182,8 @@ CODES: tuple[Code, ...] = (
         what="After the run, material of the target is missing, deeper than `tolerance`. Each place is one "
         "finding, with the greatest distance from the target's skin, the missing volume, the skin of the "
         "target that it spoils, and the lines whose tool made the faces there. The line of the finding is "
-        "the first of those that went as deep as the place is deep.",
+        "the first of those that went as deep as the place is deep; further lines that go there would gouge "
+        "the part once this one is mended.",
         why="What was cut away does not come back: the part is scrap, or has to be welded.",
         remedy="Compare the end of that line with the drawing: a slipped digit, a missing retract, G0 in place "
         "of G1. If all is off by the same, look at the tool's diameter and length, at the work offset, "
