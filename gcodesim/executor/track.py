@@ -167,13 +167,7 @@ class Track:
         self._totals = RowTotals.zeros(len(self.rows.tool), self._sheet)
         self._standing: dict[str, float] = {}
         self._home = plan.joints(plan.trajectory.sample(np.zeros(1)))[0]
-        body = RobotBody(
-            chain=shop.kinematics.chain,
-            X_WB=shop.X_WB,
-            stiffness=None if shop.stiffness is None else tuple(shop.stiffness.tolist()),
-            controller=shop.mover.controller or usual_controller(world_name, shop.stiffness),
-        )
-        self.world = open_world(world_name, body, dt_ns, efforts=brought.efforts)
+        self.world = open_world(world_name, robot_body(shop, world_name), dt_ns, efforts=brought.efforts)
         self._joints = JointTotals.start(self._home, told=self.world.tells_efforts)
         gears_move = not self.world.keeps_to_command
         self._coupling = Coupling(plan, shop, self.rows, parts, gears_move=gears_move, only=brought.only)
@@ -463,6 +457,16 @@ class Windows:
                 track()
 
         return restore
+
+
+def robot_body(shop: Shop, world_name: str) -> RobotBody:
+    """The machine of a shop as a world of this name moves it."""
+    return RobotBody(
+        chain=shop.kinematics.chain,
+        X_WB=shop.X_WB,
+        stiffness=None if shop.stiffness is None else tuple(shop.stiffness.tolist()),
+        controller=shop.mover.controller or usual_controller(world_name, shop.stiffness),
+    )
 
 
 def _do_nothing() -> None:

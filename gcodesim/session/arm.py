@@ -62,20 +62,18 @@ class Arm:
     @property
     def joint_state(self) -> JointState:
         """The state after the last step; zeros, at home, before the first."""
-        self._cell._flush()
-        q, record = self._machine.measured, self._machine.record
-        zero = np.zeros(len(q))
-        if record is None:
+        last, q = self._cell._last_of(self._machine), self._machine.q
+        if last is None:
+            zero = np.zeros(len(q))
             return JointState(
                 names=self.joint_names, position=q.copy(), velocity=zero, effort=zero, reaction=np.zeros(6)
             )
-        world = record.world
         return JointState(
             names=self.joint_names,
-            position=world.q[-1].copy(),
-            velocity=world.qd[-1].copy(),
-            effort=world.effort[-1].copy(),
-            reaction=world.reaction[-1].copy(),
+            position=last.q[-1].copy(),
+            velocity=last.qd[-1].copy(),
+            effort=last.effort[-1].copy(),
+            reaction=last.reaction[-1].copy(),
         )
 
     @property
@@ -114,9 +112,9 @@ class Arm:
     @property
     def endeffector_pose(self) -> tuple[Array, Array]:
         """Position (3,) [m] and orientation x y z w in the world of the tip of the tool, or of the flange."""
-        self._cell._flush()
-        shop = self._machine.shop
-        X_BF = Pose.from_matrix(shop.kinematics.forward(self._machine.measured[None])[0])
+        last, shop = self._cell._last_of(self._machine), self._machine.shop
+        q = self._machine.q if last is None else last.q[-1]
+        X_BF = Pose.from_matrix(shop.kinematics.forward(q[None])[0])
         X_WT = shop.X_WB @ X_BF @ self._X_FT()
         return X_WT.p, quaternion_from_rotation(X_WT.R)
 

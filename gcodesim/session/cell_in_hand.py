@@ -43,8 +43,10 @@ from gcodesim.tools.tcp_load import TcpLoad
 if TYPE_CHECKING:
     from gcodesim.jobs.results import Results
     from gcodesim.planning.borne_work import BorneWork
+    from gcodesim.world import WorldSteps
 
 _MOST_WAITING: Final = 10_000  # steps: then they are run, though nobody asks what they did
+_MOST_FORESEEN = 250  # steps that somebody knows of: then they are run, so that the log is not far behind
 _MOST_UNCHECKED: Final = 100  # legs: then they are checked, though nobody asks for findings
 
 
@@ -117,6 +119,7 @@ class OpenCell:
         self._run = RunThread(job, out)
         self._step_ns = job.cell.simulation.step_ns
         self._wanted_ns = self._done_steps = self._waiting_steps = 0
+        self._told_steps = 0  # of those that wait, somebody knows of so many
         self._machines = [MovedMachine(each, self._step_ns) for each in job.all]
         self._closed = False
         self._arms = {machine.shop.name: Arm(self, machine) for machine in self._machines}
@@ -248,8 +251,10 @@ class OpenCell:
     @property
     def time(self) -> float:
         """Seconds since the cell was opened, tool changes included."""
-        self._flush()
-        return self._done_steps * self._step_ns * 1e-9
+        if any(machine.is_told for machine in self._machines):
+            self._flush()
+        self._tell_of_waiting()
+        return (self._done_steps + self._waiting_steps) * self._step_ns * 1e-9
 
     @property
     def findings(self) -> list[Diagnostic]:
@@ -288,10 +293,11 @@ class OpenCell:
         if self._closed:
             return
         try:
-            if not interrupted:
-                if not self._first.has_begun:
-                    self._pass(1)  # so that there is a log of a cell in which nothing was done
-                self._flush()
+            if interrupted:
+                self._leave_undone()
+            elif not self._first.has_begun:
+                self._pass(1)  # so that there is a log of a cell in which nothing was done
+            self._flush()
             self._tell_of_motion()
             self._tell_of_switching()
         finally:
@@ -312,6 +318,27 @@ class OpenCell:
     def _holder(self, number: int) -> MovedMachine | None:
         """The machine that holds this tool."""
         return next((machine for machine in self._machines if machine.state.tool == number), None)
+
+    def _last_of(self, machine: MovedMachine) -> WorldSteps | None:
+        """The last steps of a machine, which are run if that is not known otherwise; None before any."""
+        if machine.waits and machine.last is None:
+            self._flush()
+        self._tell_of_waiting()
+        return machine.last
+
+    def _tell_of_waiting(self) -> None:
+        """Somebody is told what comes of the steps that wait: an interruption does not leave them undone."""
+        if self._waiting_steps >= _MOST_FORESEEN:
+            self._flush()
+        self._told_steps = self._waiting_steps
+        for machine in self._machines:
+            machine.tell_of_waiting()
+
+    def _leave_undone(self) -> None:
+        """Forget the steps that wait and of which nobody knows; all others are to be run."""
+        for machine in self._machines:
+            machine.leave_undone()
+        self._waiting_steps = self._told_steps if all(machine.waits for machine in self._machines) else 0
 
     def _present(self, tool: int | None = None) -> Present:
         """What stands where, after the last step; if there was none, after one in which nothing moves.
@@ -389,7 +416,7 @@ class OpenCell:
                 leg = longer
             machine.forget_waiting()
             whole.append(self._filled(leg, steps))
-        self._waiting_steps = 0
+        self._waiting_steps = self._told_steps = 0
         begin = self._done_steps * self._step_ns * 1e-9
         kept = [machine.check_later(leg, begin) for machine, leg in zip(self._machines, whole, strict=True)]
         if max(kept) >= _MOST_UNCHECKED:

@@ -19,6 +19,7 @@ from gcodesim.planning.joint_spline import JointSpline, TipPace
 from gcodesim.planning.legs import followed_by
 from gcodesim.planning.shop_posing import bearers_of, loads_of
 from gcodesim.session import caller
+from gcodesim.session.foreseen import ForeseenSteps
 from gcodesim.session.misuse import MisuseError
 from gcodesim.session.run_thread import SessionLegs
 from gcodesim.session.servo_kernels import JointBounds, approach
@@ -33,6 +34,7 @@ if TYPE_CHECKING:
     from gcodesim.planning.borne_work import BorneWork
     from gcodesim.session.path_frame import PathFrame
     from gcodesim.shop import Shop
+    from gcodesim.world import WorldSteps
 
 _AT_ONCE: Final = 1e-9  # [s] within which what is there at the beginning of a way is met
 _ROUNDED_OFF: Final = 1e-4  # [rad, m] that a smooth way between vectors at a limit may swing beyond it
@@ -48,7 +50,7 @@ class MovedMachine:
 
     def __init__(self, job: Job, step_ns: int) -> None:
         self.job = job
-        self._dt = step_ns * 1e-9
+        self._step_ns, self._dt = step_ns, step_ns * 1e-9
         self.q = self.shop.home.copy()
         self.qd = np.zeros_like(self.q)
         self.target = self.q.copy()
@@ -59,12 +61,15 @@ class MovedMachine:
         self.switches = Switches.holding(self.shop.tool(loaded))
         self.record: StepRecord | None = None
         self._waiting: list[Stretched] = []
+        self._known = 0  # how many of those that wait somebody was told of
+        self.is_told = False  # whether words wait with its steps: some take time of their own
         self._unchecked: list[Plan] = []
         self._unchecked_from = 0.0  # [s]
         self._hit: set[tuple[str, tuple[str, ...]]] = set()  # codes and bodies that were told
         self._bounds = _bounds(self.shop)
         self._posing = posing_of(self.shop)
         self._form: LegForm | None = None
+        self._foreseen: ForeseenSteps | None = None
         assert isinstance(job.legs, SessionLegs)
         self._checks = job.legs.checks
         job.seen = self._see
@@ -93,9 +98,13 @@ class MovedMachine:
         return self.switches.changes_tool
 
     @property
-    def measured(self) -> Array:
-        """Where the joints are after the last step that was run (j,); before the first, where they stand."""
-        return self.q if self.record is None else self.record.world.q[-1]
+    def last(self) -> WorldSteps | None:
+        """The last steps of all, run or foreseen; None before any, and where those that wait have to be run first."""
+        ran = None if self.record is None else self.record.world
+        if not self._waiting:
+            return ran
+        self._foreseen = self._foreseen or ForeseenSteps.of(self.shop, self.job.world, self._step_ns)
+        return None if self._foreseen is None else self._foreseen.last(self._waiting, ran)
 
     @property
     def rests(self) -> bool:
@@ -163,6 +172,7 @@ class MovedMachine:
         on = self.active if active is None else active
         self.switches.turn(on)
         events = self.switches.taken()
+        self.is_told = self.is_told or bool(events)
         self._waiting.append(Stretched(q=table, state=self.state, span=caller.line(), active=on, events=events))
 
     def leg(self) -> Plan | None:
@@ -249,9 +259,19 @@ class MovedMachine:
                 self._hit.add(what)
             yield replace(finding, time=None if finding.time is None else finding.time + begin)
 
+    def tell_of_waiting(self) -> None:
+        """Somebody is told what comes of the steps that wait."""
+        self._known = len(self._waiting)
+
+    def leave_undone(self) -> None:
+        """Forget the steps that wait and of which nobody was told."""
+        del self._waiting[self._known :]
+
     def forget_waiting(self) -> None:
         """The steps that waited are about to be run."""
-        self._waiting = []
+        self._waiting, self._known, self.is_told = [], 0, False
+        if self._foreseen is not None:
+            self._foreseen.forget()
 
 
 def _bounds(shop: Shop) -> JointBounds:

@@ -35,6 +35,10 @@ class KinematicWorld(WorldBase):
         """Stand still at joint vector `q` (j,)."""
         self._q, self._qd = self._joint_vector(q), np.zeros(self.joint_count)
 
+    def go_on(self, q: Array, qd: Array) -> None:
+        """Be at joint vector `q` (j,) with speeds `qd` (j,) at the end of the last step."""
+        self._q, self._qd = self._joint_vector(q), self._joint_vector(qd)
+
     def attach(self, tool: ToolBody | None, pocket: Pose | None = None) -> None:
         """Change the tool; see `World.attach`."""
         self._exchange(tool, pocket)

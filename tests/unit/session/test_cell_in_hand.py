@@ -276,6 +276,7 @@ def test_a_joint_path_is_gone_through_without_a_stop(tmp_path: Path) -> None:
         path = [first + step * np.array([0.1, 0.05, -0.05, 0.1, 0.1, 0.2]) for step in range(1, 6)]
         arm.follow_joints(path)
         assert arm.joint_state.position == pytest.approx(path[-1], abs=1e-12)
+        cell._flush()
         q = np.concatenate(seen)
         moving = np.abs(np.diff(q, axis=0)).max(axis=1) > 1e-9
         inner = np.flatnonzero(moving)
@@ -297,10 +298,11 @@ def test_poses_are_followed_with_their_orientations(tmp_path: Path) -> None:
         lean = [np.cos(0.2), 0.0, np.sin(0.2), 0.0]
         arm.move_to([0.6, -0.1, 0.45], down)
         seen: list[np.ndarray[Any, Any]] = []
-        cell.time  # noqa: B018  (runs what waits)
+        cell._flush()
         cell._job.seen = lambda record: (seen.append(record.window.tip.copy()), cell._first._see(record))  # type: ignore[assignment, func-returns-value]
         arm.follow([[0.6, 0.1, 0.45], [0.6, 0.1, 0.55]], [down, lean])
         position, orientation = arm.endeffector_pose
+        cell._flush()
         assert position == pytest.approx([0.6, 0.1, 0.55], abs=1e-6)
         assert abs(float(orientation @ np.array(lean))) == pytest.approx(1.0, abs=1e-9)
         tips = (cell._shop.X_WB.matrix @ np.concatenate(seen))[:, :3, 3]
@@ -313,7 +315,7 @@ def test_poses_are_followed_with_their_orientations(tmp_path: Path) -> None:
 def _tips(cell: OpenCell) -> list[np.ndarray[Any, Any]]:
     """Where the tip is in the world after each step from now on, one array for each window."""
     seen: list[np.ndarray[Any, Any]] = []
-    cell.time  # noqa: B018  (runs what waits)
+    cell._flush()
 
     def see(record: StepRecord) -> None:
         seen.append((cell._shop.X_WB.matrix @ record.window.tip)[:, :3, 3])
@@ -333,6 +335,7 @@ def test_poses_are_followed_at_a_feed(tmp_path: Path) -> None:
         circle = gcodesim.circular_interpolation([0.6, -0.1, 0.45], [0.6, 0.1, 0.45], 0.1, 40)
         arm.follow(circle.positions, [1.0, 0.0, 0.0, 0.0], feed=0.05)
         duration = cell.time - begin
+        cell._flush()
         tips = np.concatenate(seen)
     speed = np.linalg.norm(np.diff(tips, axis=0), axis=1) / (cell._step_ns * 1e-9)
     inner = speed[25:-25]  # 0.1 s at each end
@@ -471,7 +474,9 @@ def test_a_script_that_is_interrupted_is_an_interrupted_run(tmp_path: Path) -> N
     """Neither log nor results say that it came to its end, and what it had still to do is left undone."""
     (tmp_path / "cell.yaml").write_text("gcodesim: 1\nmachine: gantry_xyz\nsimulation: {world: kinematic}\n")
     with pytest.raises(KeyboardInterrupt), gcodesim.open_cell(tmp_path / "cell.yaml", out=tmp_path / "out") as cell:
-        cell.step(0.2)
+        cell.step(0.1)
+        cell.robot().set_joint_position({"X": 0.02})
+        cell.step(0.1)
         assert cell.time == pytest.approx(0.2)
         cell.step(0.4)
         raise KeyboardInterrupt
