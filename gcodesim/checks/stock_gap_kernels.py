@@ -3,6 +3,9 @@
 A stock is its columns: each interval of material counts as a straight line through the middle of its cell. Patches of
 columns are looked at as boxes first, so that most columns are never asked. A body then goes on by the gap that was
 found before it is looked at again (conservative advancement, Mirtich 1996), and by half a cell at least.
+
+The column that was nearest to a body, or deepest in it, most likely is so again: it is asked first, and what cannot
+promise more than it is left out.
 """
 
 from __future__ import annotations
@@ -11,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gcodesim.checks.gap_kernels import Convexes, GapRoom, farthest, gap_along, signed_gap
+from gcodesim.checks.gap_kernels import Convexes, GapRoom, Ints, farthest, gap_along, signed_gap
 from gcodesim.checks.way_kernels import Couple, JointTree, WayRoom, place_pair
 from gcodesim.compiled import kernel
 from gcodesim.frames import Array
@@ -35,7 +38,13 @@ HALVINGS = 12  # of the way to the first contact
 NEVER = 2.0
 
 FREE, LAST = 0, 1
-"""Places in the state of a pair: the way [m] on which it cannot come below the level, and the last gap [m]."""
+CONVEX = 2
+NEAREST = 5
+STATE = CONVEX + NEAREST
+"""Places in the state of a pair: the way [m] on which it cannot come below the level, the last gap [m], and where that
+
+was found: the convex body (-1: nowhere yet), the patch and the column, `NEAREST` numbers.
+"""
 
 GAP, FIRST, DEEPEST = 0, 1, 2
 """Columns of what is found for a step: least gap [m], share at which the bodies meet (2: never), share of the least."""
@@ -63,8 +72,8 @@ class StockSight(NamedTuple):
 class SightRoom(NamedTuple):
     """Room to work in.
 
-    Joints and poses, gaps, the body seen from S, the stock's own pose, the corners of a room around a body, and the
-    direction along which the least gap lies.
+    Joints and poses, gaps, the body seen from S, the stock's own pose, the corners of a room around a body, the
+    direction along which the least gap lies, and where that is, as a state has it.
     """
 
     way: WayRoom
@@ -74,11 +83,12 @@ class SightRoom(NamedTuple):
     low: Array
     high: Array
     out: Array
+    nearest: Ints
 
 
 def sight_room(way: WayRoom, gaps: GapRoom) -> SightRoom:
     """Room for `approach`."""
-    return SightRoom(way, gaps, np.eye(4), np.eye(4), np.zeros(3), np.zeros(3), np.zeros(3))
+    return SightRoom(way, gaps, np.eye(4), np.eye(4), np.zeros(3), np.zeros(3), np.zeros(3), np.full(NEAREST, -1))
 
 
 @kernel
@@ -139,6 +149,22 @@ def between(low: float, high: float, least: float, most: float) -> float:
 
 
 @kernel
+def may_be_nearer(
+    box: tuple[float, float, float, float, float, float], best: float, slack: float, low: Array, high: Array
+) -> bool:
+    """Whether a body in the room `low` to `high` may be nearer to a box (x, x, y, y, z, z) than `best` [m].
+
+    Once one is inside something, as `best` below 0 says: deeper in it by more than `slack`.
+    """
+    far, deep = 0.0, np.inf
+    for c in range(3):
+        deep = min(deep, box[2 * c + 1] - low[c], high[c] - box[2 * c])
+        beside = between(low[c], high[c], box[2 * c], box[2 * c + 1])
+        far += beside * beside
+    return deep > slack - best if best <= 0.0 else far <= 0.0 or far < best * best
+
+
+@kernel
 def in_columns(
     a: int,
     patch: tuple[int, int],
@@ -159,18 +185,10 @@ def in_columns(
     for i in range(first_i, last_i, stride):
         for j in range(first_j, last_j, stride):
             x, y, many = column_at(field, i, j)
-            across, beside = between(low[0], high[0], x, x), between(low[1], high[1], y, y)
             for k in range(many):
                 below, above = interval_of(field, i, j, k)
-                if best > 0.0:
-                    up = between(low[2], high[2], below, above)
-                    if across * across + beside * beside + up * up >= best * best:
-                        continue
-                else:
-                    inside = min(min(x - low[0], high[0] - x), min(y - low[1], high[1] - y))
-                    inside = min(inside, min(above - low[2], high[2] - below))
-                    if inside <= -best + DEEPER * cell:
-                        continue
+                if not may_be_nearer((x, x, y, y, below, above), best, DEEPER * cell, low, high):
+                    continue
                 show_line(bodies, sight.probe, x, y, below, above)
                 if best <= 0.0:  # along the way out of the deepest so far: no body is deeper than along any
                     gap = gap_along(a, sight.probe, bodies, room.X_SB, room.X_SS, room.out, room.gaps)
@@ -179,6 +197,8 @@ def in_columns(
                 gap = signed_gap(a, sight.probe, bodies, room.X_SB, room.X_SS, best, room.gaps, room.way.n)
                 if gap < best:
                     best = gap
+                    room.nearest[0], room.nearest[1], room.nearest[2] = a, patch[0], patch[1]
+                    room.nearest[3], room.nearest[4] = i, j
                     for c in range(3):
                         room.out[c] = room.way.n[c]
                 if best <= sight.level and sight.whether:
@@ -225,9 +245,11 @@ def gap_to_stock(sight: StockSight, field: Field, bodies: Convexes, enough: floa
     apart = rooms_apart(sight, field, bodies, enough, room)
     if apart > sight.level + CLEAR * finest(field):
         return apart
-    best = enough
+    best = gap_where_it_was(sight, field, bodies, enough, room)
     slack = DEEPER * finest(field)
     for a in range(sight.first, sight.end):
+        if best <= sight.level and sight.whether:
+            return best
         bounds_of_convex(a, bodies, room.X_SB, room)
         reach = max(best, 0.0)
         first_i, last_i, first_j, last_j = patches_within(
@@ -237,21 +259,42 @@ def gap_to_stock(sight: StockSight, field: Field, bodies: Convexes, enough: floa
             for i in range(first_i, last_i):
                 for j in range(first_j, last_j):
                     x0, x1, y0, y1, top = patch_room(field, i, j)
-                    if top <= sight.floor:
+                    box = (x0, x1, y0, y1, sight.floor, top)
+                    if top <= sight.floor or not may_be_nearer(box, best, slack, low, high):
                         continue
-                    across = between(low[0], high[0], x0, x1)
-                    beside = between(low[1], high[1], y0, y1)
-                    up = between(low[2], high[2], sight.floor, top)
-                    far = across * across + beside * beside + up * up
-                    if far > 0.0 and (best <= 0.0 or far >= best * best):
-                        continue
-                    show_box(bodies, sight.probe, (x0, x1, y0, y1, sight.floor, top))
+                    show_box(bodies, sight.probe, box)
+                    if best <= 0.0:
+                        gap = gap_along(a, sight.probe, bodies, room.X_SB, room.X_SS, room.out, room.gaps)
+                        if gap >= best - slack:
+                            continue
                     gap = signed_gap(a, sight.probe, bodies, room.X_SB, room.X_SS, best, room.gaps, room.way.n)
                     if gap >= (best if best > 0.0 else best - slack):
                         continue
                     best = in_columns(a, (i, j), stride, sight, field, bodies, best, room)
                     if best <= sight.level and sight.whether:
                         return best
+    return best
+
+
+@kernel
+def gap_where_it_was(sight: StockSight, field: Field, bodies: Convexes, enough: float, room: SightRoom) -> float:
+    """The gap [m] to the column in which the least one was found before; `enough` where it is more, or none was."""
+    best = enough
+    a, i, j = room.nearest[0], room.nearest[3], room.nearest[4]
+    if a < 0:
+        return best
+    _, last_i, _, last_j = columns_of_patch(field, room.nearest[1], room.nearest[2])
+    if i >= last_i or j >= last_j:  # a stock may get other columns
+        return best
+    x, y, many = column_at(field, i, j)
+    for k in range(many):
+        below, above = interval_of(field, i, j, k)
+        show_line(bodies, sight.probe, x, y, below, above)
+        gap = signed_gap(a, sight.probe, bodies, room.X_SB, room.X_SS, best, room.gaps, room.way.n)
+        if gap < best:
+            best = gap
+            for c in range(3):
+                room.out[c] = room.way.n[c]
     return best
 
 
@@ -292,10 +335,12 @@ def approach(
 
     If only asked whether a gap comes down to the level, it ends there, and returns how many steps are before that.
 
-    `found` (n, 3) says what happens in each step, `state` (2,) what is known of the pair before and after them. A body
-    that is half a cell from the level, or nearer, is looked at at the end of each step, too.
+    `found` (n, 3) says what happens in each step, `state` (STATE,) what is known of the pair before and after them. A
+    body that is half a cell from the level, or nearer, is looked at at the end of each step, too.
     """
     level = sight.level
+    for c in range(NEAREST):
+        room.nearest[c] = int(state[CONVEX + c])
     least = LEAST_WAY * finest(field)
     enough = level + breadth(field)
     for k in range(len(q) - 1):
@@ -333,4 +378,6 @@ def approach(
             state[LAST] = gap
             state[FREE] = max(gap - level, least)
         state[FREE] -= way - done
+    for c in range(NEAREST):
+        state[CONVEX + c] = room.nearest[c]
     return len(q) - 1

@@ -31,7 +31,6 @@ if TYPE_CHECKING:
 
 NEAR: Final = "GS308"
 _UP: Final = (0.0, 0.0, 1.0)
-_STATE: Final = 2  # figures that are kept of a pair from one look to the next
 
 
 @frozen(eq=False)
@@ -67,9 +66,9 @@ class WatchedStock:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Sighting:
-    """What one look at n steps has found: `steps` (p, n, 3) by pairs, see `stock_gap_kernels.approach`; `state` (p, 2)
+    """What one look at n steps has found: `steps` (p, n, 3) by pairs, see `stock_gap_kernels.approach`; `state`
 
-    is what is known of the pairs after them. `q` (n + 1, j) are the joints. `free`: in so many steps no
+    (p, STATE) is what is known of the pairs after them. `q` (n + 1, j) are the joints. `free`: in so many steps no
     body is nearer than the level; if that is not all of them, nothing else may be known. `goes_on`: one was before.
     """
 
@@ -161,15 +160,16 @@ class _Pairs:
     def look(self, q: Array, state: Array, *, whether: bool) -> tuple[Array, int]:
         """What happens (p, n, 3) on the way through joints q (n + 1, j), and how many steps are free.
 
-        `state` (p, 2) is brought to the end of these. `whether`: the look ends where a body is nearer than the level.
+        `state` (p, STATE) is brought to the end of these. `whether`: the look ends where a body is nearer than the
+        level.
         """
-        from gcodesim.checks.stock_gap_kernels import approach
+        from gcodesim.checks.stock_gap_kernels import FREE, approach
 
         steps = np.full((len(self.sights), len(q) - 1, 3), np.inf)
         free = len(q) - 1
         for p, (sight, watched) in enumerate(zip(self.sights, self.stocks, strict=True)):
             if watched.grows:
-                state[p, 0] = 0.0
+                state[p, FREE] = 0.0
             asked = sight._replace(whether=whether)
             field = watched.stock.view(_UP)
             way = q[: free + 1] if whether else q
@@ -226,11 +226,13 @@ class StockWatch:
 
         `whether`: the look ends where a body comes nearer than the level.
         """
+        from gcodesim.checks.stock_gap_kernels import LAST
+
         pairs = self._pairs_of(tool)
         if pairs is None or len(q) < 2:
             return None
         state = self._state[tool].copy() if tool == self._tool and tool in self._state else _unknown(len(pairs.sights))
-        goes_on = bool((state[:, 1] <= pairs.sights[0].level).any())
+        goes_on = bool((state[:, LAST] <= pairs.sights[0].level).any())
         steps, free = pairs.look(np.ascontiguousarray(q), state, whether=whether)
         return Sighting(pairs=pairs, q=q, steps=steps, state=state, free=free, goes_on=goes_on)
 
@@ -327,6 +329,9 @@ class StockWatch:
 
 def _unknown(pairs: int) -> Array:
     """The state of pairs of which nothing is known."""
-    state = np.zeros((pairs, _STATE))
-    state[:, 1] = np.inf
+    from gcodesim.checks.stock_gap_kernels import CONVEX, LAST, STATE
+
+    state = np.zeros((pairs, STATE))
+    state[:, LAST] = np.inf
+    state[:, CONVEX] = -1.0
     return state
