@@ -65,7 +65,7 @@ class Executor:
         self.reader = Reader(self.dialect)
         self.file, self.control, self.flow = self._parts(run.source)
         if settings.tool_length == "auto" and settings.auto_length is not None:
-            words = length_words(run.source)
+            words = length_words(run.source, h0_cancels=self.dialect.h0_cancels)
             if settings.loaded_tool:  # Z was touched off with it, and G49 takes nothing of that away
                 self.control.auto_length = b"3" not in words
             else:

@@ -197,8 +197,8 @@ def load_first_tool(control: Control) -> None:
         control.notes.append(
             Diagnostic(
                 code="GS195",
-                message=f"the program never says G43: Z counts as touched off with T{number}, the loaded tool "
-                f"({length / MM:g} mm long)",
+                message=f"the program never says {_length_word(control)}: Z counts as touched off with T{number}, the "
+                f"loaded tool ({length / MM:g} mm long)",
                 span=control.span,
                 hint="write G43, or set `tool_length: strict`",
             )
@@ -211,11 +211,16 @@ def _assume_length(number: int, control: Control) -> None:
     control.notes.append(
         Diagnostic(
             code="GS195",
-            message=f"the program never says G43: M6 takes the tool's length along ({length / MM:g} mm for T{number})",
+            message=f"the program never says {_length_word(control)}: M6 takes the tool's length along "
+            f"({length / MM:g} mm for T{number})",
             span=control.span,
             hint="write G43 after M6, or set `tool_length: strict`",
         )
     )
+
+
+def _length_word(control: Control) -> str:
+    return "G43 with a length" if control.dialect.h0_cancels else "G43"
 
 
 def _take_length(number: int, control: Control) -> float:
@@ -231,14 +236,14 @@ def _take_length(number: int, control: Control) -> float:
 
 
 def _tell_missing_length(number: int, control: Control) -> None:
-    """A program that says G49 and never G43 works with the nose of the spindle, which is rarely meant."""
+    """A program that only takes lengths away works with the nose of the spindle, which is rarely meant."""
     length = (control.settings.auto_length or {}).get(number, 0.0)
     if length > 0.0:
         control.notes.append(
             Diagnostic(
                 code="GS198",
-                message=f"T{number} works without its length: the program says G49 and never G43, so the tip is "
-                f"{length / MM:g} mm below the places that are programmed",
+                message=f"T{number} works without its length: the program only takes lengths away (G49 or G43 H0), so "
+                f"the tip is {length / MM:g} mm below the places that are programmed",
                 span=control.span,
                 hint=f"say G43 H{number} after the tool change; if Z was touched off with the tool in the spindle, add "
                 "its length to Z of the work offset",

@@ -179,7 +179,7 @@ class FirstCell:
         known = whole or (fed and not self.seen.changes)
         if known and self.tools and not (self.seen.changes and self.seen.measured):
             number = self.tools[0].scanned.number
-            why = "it says G49 and never G43: Z counts as touched off with the tool"
+            why = "no G43 puts a length in force: Z counts as touched off with the tool"
             if not self.seen.changes:
                 why = "the program changes no tool: this one is there from the start"
             lines.append(f"loaded_tool: {number}    # {why}")

@@ -3,13 +3,15 @@
 Known forms: `(T1 D=6. CR=0. - ZMIN=-2. - flat end mill)` of Fusion posts,
 `(T1 | 6mm end mill | D6)`, `( T2 | 1/4 DRILL )` and alike, `(TOOL/MILL,6.35, 0.00, …)` of Carbide Create,
 `(Change tool bit to drill size 0.8mm)` beside the call; `(STOCK 100 x 60 x 20)`,
-`(X= 100.000, Y= 60.000, Z= 20.000)` of VCarve, `(stockMin: …)` with `(stockMax: …)`.
+`(X= 100.000, Y= 60.000, Z= 20.000)` of VCarve, `(STOCK DX=100. DY=60. DZ=20.)`, also an axis a comment,
+`(STOCK/BLOCK, 100., 60., 20., 0., 0., 20.)` of Carbide Create, whose last three say where zero is in it,
+`(stockMin: …)` with `(stockMax: …)`.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from typing import Final
 
@@ -59,6 +61,10 @@ _POINT = re.compile(rf"\b(?:TAPER|ANGLE|POINT)\s*[=:]\s*{_NUMBER}", re.IGNORECAS
 _BY = r"\s*(?:mm|in)?\s*[x×*,]\s*"
 _STOCK_SIZE = re.compile(rf"{_NUMBER}{_BY}{_NUMBER}{_BY}{_NUMBER}", re.IGNORECASE)
 _SIDES = re.compile(rf"X\s*=\s*{_NUMBER}\s*,?\s*Y\s*=\s*{_NUMBER}\s*,?\s*Z\s*=\s*{_NUMBER}", re.IGNORECASE)
+_SIDE = re.compile(rf"(?<![A-Z])D([XYZ])\s*[:=]?\s*{_NUMBER}", re.IGNORECASE)
+_BLOCK = re.compile(
+    rf"STOCK/BLOCK\s*,\s*{_NUMBER}{_BY}{_NUMBER}{_BY}{_NUMBER}" + rf"\s*,\s*{_SIGNED}" * 3, re.IGNORECASE
+)
 _CORNERS: Final = tuple(
     re.compile(rf"STOCK{word}\s*:\s*{_SIGNED}{_MM_COMMA}{_SIGNED}{_MM_COMMA}{_SIGNED}", re.IGNORECASE)
     for word in ("MIN", "MAX")
@@ -136,6 +142,7 @@ def scan(program: SourceText) -> Scan:
     told: dict[int, ScannedTool] = {}
     stock, stock_line = None, 0
     corners: list[Triple] = []
+    sides: dict[str, float] = {}
     for number, (note, text) in enumerate(zip(notes, words, strict=True), start=1):
         for match in _TOOL_WORD.finditer(text):
             last = tool = int(match[1])
@@ -150,8 +157,12 @@ def scan(program: SourceText) -> Scan:
             continue
         for tool_told in _tools_of(note, number, inch):
             told.setdefault(tool_told.number, tool_told)
-        if stock is None and (size := _stock_of(note)) is not None:
+        if stock is None and (size := _stock_of(note, sides)) is not None:
             stock, stock_line = size, number
+        if not corners and (block := _BLOCK.search(note)) is not None:
+            sizes, zero = ([float(value) for value in block.groups()[part : part + 3]] for part in (0, 3))
+            corners = [_triple(-z for z in zero), _triple(size - z for size, z in zip(sizes, zero, strict=True))]
+            stock_line = number
         if len(corners) < len(_CORNERS) and (corner := _CORNERS[len(corners)].search(note)) is not None:
             corners.append((float(corner[1]), float(corner[2]), float(corner[3])))
             stock_line = number
@@ -171,6 +182,11 @@ def scan(program: SourceText) -> Scan:
         stock_line=stock_line,
         unit_is_guessed=guessed,
     )
+
+
+def _triple(values: Iterable[float]) -> Triple:
+    x, y, z = values
+    return x, y, z
 
 
 def _speaks_of_inches(notes: list[str], words: list[str]) -> bool:
@@ -294,8 +310,13 @@ def _is_of_a_place(text: str, match: re.Match[str]) -> bool:
     return bool(_BEFORE_A_PLACE.search(text, 0, match.start()) or _BEHIND_A_PLACE.match(text, match.end()))
 
 
-def _stock_of(comment: str) -> Triple | None:
+def _stock_of(comment: str, sides: dict[str, float]) -> Triple | None:
+    """The sizes that a comment says, or completes: `sides` are those that comments have said singly."""
     words = comment.lower()
+    if "stock" in words:
+        sides.update((axis.upper(), float(value)) for axis, value in _SIDE.findall(comment))
+    if len(sides) == 3 and min(sides.values()) > 0.0:
+        return sides["X"], sides["Y"], sides["Z"]
     match = _SIDES.search(comment)
     if match is None and any(word in words for word in ("stock", "material", "blank", "block")):
         match = _STOCK_SIZE.search(comment)

@@ -180,7 +180,7 @@ def _survey(program: SourceText, startup: SourceText | None, told: tuple[str, st
         from_zero=_starts_anywhere(program),
         lathe=lathe is not None,
         spins=walk.spins,
-        measured=length_words(program) != {b"9"},
+        measured=length_words(program, h0_cancels=DIALECTS[dialect].h0_cancels) != {b"9"},
     )
 
 

@@ -552,8 +552,8 @@ CODES += (
         code="GS198",
         severity=Severity.NOTE,
         title="Tool without its length, as the program has it",
-        what="The program says G49 and never G43, and the tool in the spindle is long. It is an error if that"
-        " tool cuts and the zero of its work system is not higher by as much.",
+        what="The program only takes lengths away, by G49 or, where that is no length, G43 H0, and the tool in the"
+        " spindle is long. It is an error if that tool cuts and the zero of its work system is not higher by as much.",
         why="The programmed positions are then those of the spindle nose, and the tip is lower by the length"
         " of the tool.",
         remedy="Say G43 H… after M6. Where Z is touched off with the tool, put its length into the work offset.",

@@ -83,7 +83,8 @@ class Dialect:
     work, goes on. `rapids_stand`: a rapid move ends at rest, whatever the path control (FANUC, B-63944EN, 4.1: it is
     decelerated at the end of its block, and the next one begins when it is in position). `look_ahead` is how many
     blocks the control knows behind the one that runs; None: without end, or not known. `corners_count`: arcs that it
-    puts into corners are blocks too, and of the last one before a stop it counts on half (LinuxCNC).
+    puts into corners are blocks too, and of the last one before a stop it counts on half (LinuxCNC). `h0_cancels`: G43
+    H0 puts no length in force.
     """
 
     name: str
@@ -123,6 +124,7 @@ class Dialect:
     rapids_stand: bool = False
     look_ahead: int | None = None
     corners_count: bool = False
+    h0_cancels: bool = False
 
     def option(self, name: str, given: Mapping[str, str]) -> str:
         """What an option of this control is set to, by the settings `given`; ValueError if it cannot be that."""

@@ -210,4 +210,5 @@ FANUC = Dialect(
         "compensation_blocks": ("3", "4", "5", "6", "7", "8"),  # how many blocks are read while it is on
     },
     rapids_stand=True,
+    h0_cancels=True,
 )

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from typing import Final
 
 from gcodesim.diagnostics import SourceText
-from gcodesim.rs274.length_words import length_words
+from gcodesim.rs274.length_words import length_blocks
 from gcodesim.rs274.program_file import ProgramFile
 
 _END: Final = "M2"
@@ -27,7 +27,7 @@ def up_to(source: SourceText, line: int) -> SourceText:
         return _text(source, source.lines, source.name)
     if not any(_LED_TO.search(text) for text in (*before, *behind)):
         notes = [text for text in behind if text.lstrip().startswith(";")]
-        behind = [*notes, *(f"G4{digit.decode()}" for digit in sorted(length_words(source)))]
+        behind = [*notes, *length_blocks(source)]
     return _text(source, [*before, _END, *behind], source.name)
 
 

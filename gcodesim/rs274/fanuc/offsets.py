@@ -49,7 +49,7 @@ def tool_length(words: Words, control: FanucControl) -> None:
     tool_point.switch(control, on=False)
     axes = control.axes()
     state.length_mode, state.length_number = mode, number
-    if mode == 490 and control.auto_length:
+    if control.auto_length and (mode == 490 or number == 0):
         tool_point.switch(control, on=state.upright)
         return  # touched off with the tool, not measured
     state.tool_offset = ZERO if mode == 490 else (0.0, 0.0, -z if mode == 440 else z, *ZERO[3:])

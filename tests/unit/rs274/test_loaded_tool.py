@@ -46,3 +46,19 @@ def test_strict_assumes_nothing(program) -> None:
 
 def test_without_one_the_spindle_is_empty(program) -> None:
     assert not program(MOVES + "M2\n", auto_length=LENGTHS).acts("tool_number", "tool_offset")
+
+
+@pytest.mark.parametrize("dialect", ["fanuc", "linuxcnc"])
+def test_h0_of_a_fanuc_takes_no_length_away_that_was_touched_off(program, dialect) -> None:
+    """There G43 H0 is no length; LinuxCNC takes that of the tool in the spindle, which is said once more."""
+    done = program("G43 H0 (not H2)\n" + MOVES + "M2\n", dialect=dialect, loaded_tool=2, auto_length=LENGTHS)
+
+    assert done.acts("tool_offset")[-1]["offset"][2] == 62.5
+    assert ("GS195" in [f.code for f in done.findings]) == (dialect == "fanuc")
+    assert not done.errors
+
+
+def test_h0_counts_nothing_beside_a_length(program) -> None:
+    done = program("G43 H0\nG1 Z1 F100\nG43 H1\n" + MOVES + "M2\n", dialect="fanuc", loaded_tool=2, auto_length=LENGTHS)
+
+    assert [event["offset"][2] for event in done.acts("tool_offset")][-2:] == [0.0, 50.0]

@@ -141,3 +141,32 @@ def test_two_tools_that_share_an_offset_have_it_once() -> None:
 
     assert cell.decode().count("  19: {") == 1
     assert "GS702" not in codes_of(cell)
+
+
+@pytest.mark.parametrize(
+    ("notes", "size"),
+    [
+        ("(STOCK DX=100. DY=60. DZ=20.)", (100, 60, 20)),
+        ("(STOCK: DX: 100mm DY: 60mm DZ: 20mm)", (100, 60, 20)),
+        ("(STOCK DX 100)\n(STOCK DY 60)\n(STOCK DZ 20)", (100, 60, 20)),
+        ("(STOCK TO LEAVE DX 0.1)", None),
+        ("(PART DX=90. DY=50. DZ=18.)", None),
+    ],
+)
+def test_sides_of_the_stock_by_their_letters(notes: str, size: tuple[float, ...] | None) -> None:
+    assert scan(SourceText("x.nc", f"{notes}\nT1 M6\nM30\n".encode())).stock == size
+
+
+def test_a_block_of_carbide_create_says_where_zero_is_in_it() -> None:
+    program = SourceText("x.nc", b"(STOCK/BLOCK,100.00, 60.00, 20.00,50.00, 30.00, 20.00)\nG21\nM6T102\nM30\n")
+
+    assert scan(program).corners == ((-50.0, -30.0, -20.0), (50.0, 30.0, 0.0))
+
+
+def test_lengths_that_h0_takes_away_are_those_of_touched_off_tools() -> None:
+    """As old posts for Fanuc write them; with the nose of the spindle at Z-3 it stood in the stock."""
+    program = b"%\nO0001\nG0G17G40G49G80G90\nT1M6\nG0G54X0Y0S3000M3\nG43H0Z50.\nG1Z-3.F100\nX60.\nG0Z50.\nM30\n%\n"
+    h1 = program.replace(b"H0", b"H1")
+
+    assert b"loaded_tool: 1 " in cell_for(SourceText("x.nc", program))
+    assert b"loaded_tool" not in cell_for(SourceText("x.nc", h1))
