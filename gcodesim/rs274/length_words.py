@@ -33,9 +33,9 @@ def length_words(source: SourceText, *, h0_cancels: bool) -> set[bytes]:
         for found in word.finditer(raw):
             begin = max(raw.rfind(b"\n", 0, found.start()), raw.rfind(b"\r", 0, found.start())) + 1
             if word.search(_NOTE.sub(b"", raw[begin : found.end()])):
-                digit = found.group()[-1:]
-                block = _NOTE.sub(b"", raw[begin : next(_LINE_END.finditer(raw, found.end())).start()]) if h0_cancels else b""
-                said.add(b"9" if _H0.search(block) else digit)
+                end = next(_LINE_END.finditer(raw, found.end())).start()
+                takes_away = h0_cancels and _H0.search(_NOTE.sub(b"", raw[begin:end]))
+                said.add(b"9" if takes_away else found.group()[-1:])
                 if b"3" in said:
                     return said
     return said
