@@ -14,6 +14,7 @@ from gcodesim.arithmetic.matrices import applied
 from gcodesim.checks.machine_bodies import CarriedBody, MachineBodies, joint_at_zero, may_meet_by_motion
 from gcodesim.checks.machine_collisions import body_in_words, of_machine_itself
 from gcodesim.checks.meetings import MovingBodies
+from gcodesim.checks.pairs import may_not_meet
 from gcodesim.checks.rigid import RigidBody
 from gcodesim.frames import Array, Pose
 
@@ -30,6 +31,7 @@ class Postures:
 
     Bodies of the machine that are in each other at `home` (j,) are drawn so, and pairs of names that are `apart` are
     not looked at. What goes `along` with the work when that is shifted, is named by its label.
+    Whether `round_tools` are in fixtures counts only if asked.
     """
 
     machine: MachineBodies
@@ -37,6 +39,7 @@ class Postures:
     home: Array
     apart: frozenset[frozenset[str]] = frozenset()
     along: frozenset[str] = frozenset()
+    round_tools: bool = False
     _known: dict[int, Moving] = field(default_factory=dict)
 
     @staticmethod
@@ -57,6 +60,10 @@ class Postures:
 
         machine = replace(self.machine, bodies=tuple(at(body) for body in self.machine.bodies))
         return replace(self, machine=machine, _known={})
+
+    def with_round_tools(self) -> Postures:
+        """The same where round tools may not be in a fixture either."""
+        return replace(self, round_tools=True, _known={})
 
     def hit(self, q: Array, tools: NDArray[np.int64] | NDArray[np.intp] | NDArray[np.int32]) -> NDArray[np.bool_]:
         """Whether a body that may not is in another one with all joints at q (n, j) and these tools (n,) held."""
@@ -90,6 +97,7 @@ class Postures:
                     for j in range(len(own), len(bodies))
                     for i in range(len(own))
                     if may_meet_by_motion(bodies[i], bodies[j], self.machine.tree)
+                    or (self.round_tools and _enters(bodies[j], bodies[i]))
                 ]
             names = [body.rigid.name for body in bodies]
             pairs = [pair for pair in pairs if frozenset(names[k] for k in pair) not in self.apart]
@@ -98,3 +106,8 @@ class Postures:
             moving = self.machine.moving(bodies, [pair for pair in pairs if pair not in inside])
             self._known[number] = moving, tuple(bodies)
         return self._known[number]
+
+
+def _enters(tool: CarriedBody, other: CarriedBody) -> bool:
+    """Whether a part of a tool would be in a body that moves against it, which is a collision."""
+    return tool.carrier != other.carrier and may_not_meet(tool.role, other.role)

@@ -388,13 +388,13 @@ class FixedAttitude:
                     if blocked is None:
                         report_route(flange, route.turning, solved[0], hit, findings)
                     else:
-                        report_dead_end(kinematics, straight, dense, blocked, findings)
+                        report_dead_end(kinematics, straight, blocked, findings)
                     return turning, solved, found, ToldEnd()
             guilty = min(chains, len(dense.chains) - 1)
             end = dead_end(kinematics, straight, dense, guilty, free=free, branches=self.branches, obstacles=obstacles)
             if end.obstacle is Hindrance.COLLISION or obstacles is None:
                 blocked = end
-        told = ToldEnd() if blocked is None else report_dead_end(kinematics, straight, dense, blocked, findings)
+        told = ToldEnd() if blocked is None else report_dead_end(kinematics, straight, blocked, findings)
         return flange, simple, choice, told
 
     def after(self, leg: JointPath, path: ToolPath, home: Array) -> FixedAttitude:

@@ -34,6 +34,13 @@ class Obstacles(Protocol):
         """The same where all that goes along with the work has been moved by (3,) [m] in the base."""
         ...
 
+    def with_round_tools(self) -> Obstacles:
+        """The same where round tools may not be in a fixture either.
+
+        Such a tool is in it with all joints that bring it to its place, so that searches do without.
+        """
+        ...
+
 
 @frozen(eq=False)
 class Around:

@@ -73,10 +73,9 @@ def cuts_of(plan: Plan, posing: FixedAttitude) -> list[Passage]:
         nodes, length = path.nodes, flange.pieces.length
         # joint moves have got their times since nodes were placed at their ends
         nodes = Nodes(nodes.piece, np.where(nodes.head, length[nodes.piece], nodes.s), nodes.head)
-        rungs = _RUNGS * len(nodes) // max(total, 1)
         cuts += [
-            cut_through(path.kinematics, flange, nodes, chain, rungs, free, posing.obstacles)[1]
-            for chain in range(len(nodes.chains))
+            cut_through(path.kinematics, flange, nodes, chain, _RUNGS * (b - a) // total, free, posing.obstacles)[1]
+            for chain, (a, b) in enumerate(nodes.chains)
         ]
     return cuts
 

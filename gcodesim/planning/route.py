@@ -49,12 +49,13 @@ class Route:
 
 @frozen(kw_only=False, eq=False)
 class DeadEnd:
-    """Where no route leads on: the nodes `first` to `last` are the longest part of a chain that can be run.
+    """Where no route leads on: of its nodes, `first` to `last` are the longest part of a chain that can be run.
 
     `obstacle` says why the one at node `next_node` cannot be added, coming from joints `q` (j,) (None: there are none),
     and `hits` what would hit what there.
     """
 
+    nodes: Nodes
     chain: tuple[int, int]
     first: int
     last: int
@@ -80,7 +81,8 @@ def route_along(
     seeds: dict[int, Array] = {}
     previous = home
     for k in range(len(nodes.chains)):
-        chosen, cut = cut_through(kinematics, flange, nodes, k, trial[0], free, obstacles)
+        a, b = nodes.chains[k]
+        chosen, cut = cut_through(kinematics, flange, nodes, k, trial[0] * (b - a) // len(nodes), free, obstacles)
         way = even_way(kinematics, cut, margin=_ROOM, start=previous, spins=trial[1], branches=branches)
         if way is None:
             return Route(None, seeds, k)
@@ -119,9 +121,9 @@ def cut_through(
     free: bool,
     obstacles: Obstacles | None = None,
 ) -> tuple[NDArray[np.int64], Passage]:
-    """The nodes of a chain that become rungs, and the cut through them."""
+    """The nodes of a chain that become so many rungs, or the fewest of a ladder, and the cut through them."""
     a, b = nodes.chains[chain]
-    chosen = _evenly(nodes, a, b, max(_FEWEST, rungs * (b - a) // max(len(nodes), 1)))
+    chosen = _evenly(nodes, a, b, max(_FEWEST, rungs))
     piece, s = nodes.piece[chosen], nodes.s[chosen]
     X, X_FN = flange.at(piece, s), np.eye(4)
     bend = flange.bend_of(piece)
@@ -156,13 +158,22 @@ def dead_end(
     branches: tuple[int, ...] | None,
     obstacles: Obstacles | None,
 ) -> DeadEnd:
-    """How far the `chain` of nodes can be run that ends a route."""
+    """How far the `chain` of nodes can be run that ends a route, a round tool in an obstacle being an end, too.
+
+    Nodes may be far apart; so there are more, unless these have a way where the route has none.
+    """
     rungs, spins = TRIALS[0]
-    chosen, cut = cut_through(kinematics, flange, nodes, chain, rungs, free, obstacles)
-    ladder = rungs_of(kinematics, cut, grid(cut, spins), branches)
-    prefix, first, last = earliest(ladder.ladder, link(ladder.ladder, cut.step, False))
-    if last - first + 1 == len(cut):  # rungs have a way, the nodes between do not
-        return DeadEnd(nodes.chains[chain], int(chosen[0]), int(chosen[-1]), int(chosen[-1]), Hindrance.WAY, None)
+    if obstacles is not None:
+        obstacles = obstacles.with_round_tools()
+    for places in (nodes.denser(chain, rungs), nodes):
+        chosen, cut = cut_through(kinematics, flange, places, chain, rungs, free, obstacles)
+        ladder = rungs_of(kinematics, cut, grid(cut, spins), branches)
+        prefix, first, last = earliest(ladder.ladder, link(ladder.ladder, cut.step, False))
+        if last - first + 1 < len(cut):
+            break
+    else:  # rungs have a way, the nodes between do not
+        end = int(chosen[-1])
+        return DeadEnd(places, places.chains[chain], int(chosen[0]), end, end, Hindrance.WAY, None)
     after = last + 1 if last + 1 < len(cut) else first - 1
     q = None
     if last >= first:
@@ -172,7 +183,8 @@ def dead_end(
         q = way.q[-1] if after > last else way.q[0]
     why = hindrance(kinematics, cut, ladder, after, (prefix, first, last), spins=spins, branches=branches)
     return DeadEnd(
-        nodes.chains[chain],
+        places,
+        places.chains[chain],
         int(chosen[first]),
         int(chosen[max(last, first)]),
         int(chosen[after]),

@@ -66,14 +66,12 @@ def report_route(
     )
 
 
-def report_dead_end(
-    kinematics: Kinematics, flange: FlangePoses, nodes: Nodes, end: DeadEnd, findings: PathFindings
-) -> ToldEnd:
+def report_dead_end(kinematics: Kinematics, flange: FlangePoses, end: DeadEnd, findings: PathFindings) -> ToldEnd:
     """The longest part that can be run, as a share of the way of its chain.
 
     Where no pose beyond it is to blame, but that no way leads on, this is a finding of its own.
     """
-    pieces = flange.pieces
+    pieces, nodes = flange.pieces, end.nodes
 
     def line(node: int) -> int:
         return pieces.path.span(int(pieces.row_last[nodes.piece[node]])).line
@@ -92,7 +90,7 @@ def report_dead_end(
             hits = "the arm hits something" if end.hits is None else f"{end.hits[0]} hits {end.hits[1]}"
             reason = f"every way on ends in a collision: {hits}"
         else:
-            reason = f"no continuous way leads on{_facts(kinematics, flange, nodes, end)}"
+            reason = f"no continuous way leads on{_facts(kinematics, flange, end)}"
         findings.add(
             Diagnostic(
                 code="GS216",
@@ -110,12 +108,12 @@ def report_dead_end(
     return ToldEnd(part)
 
 
-def _facts(kinematics: Kinematics, flange: FlangePoses, nodes: Nodes, end: DeadEnd) -> str:
+def _facts(kinematics: Kinematics, flange: FlangePoses, end: DeadEnd) -> str:
     """What the arm would have to do to go on."""
     if end.q is None:
         return ""
     at = slice(end.next_node, end.next_node + 1)
-    X = flange.at(nodes.piece[at], nodes.s[at])
+    X = flange.at(end.nodes.piece[at], end.nodes.s[at])
     status = int(kinematics.inverse(X, end.q, on_path=True)[1][0])
     if status in (Status.OK, Status.SINGULAR):
         return ""

@@ -138,7 +138,9 @@ CODES: tuple[Code, ...] = (
         " message names the longest part that can be run, by its share of the way, and what the arm would have to do to"
         " go on: pass a limit, jump, as at a singularity, or hit a link, a fixture or the stock as it is at the start."
         " It stands for limits and jumps on all of that part of the path (GS203, GS205). Where the arm cannot but hit"
-        " something, the collision itself (GS305 to GS307) says this in its hint, and no GS216 stands beside it.",
+        " something, the collision itself (GS301 to GS307) says this in its hint, and no GS216 stands beside it. A part"
+        " of the path on which a tool is in a fixture does not count as one that can be run; but where the arm hits"
+        " nothing and the tool does, no configuration is to blame, and the collision says where it begins.",
         why="The robot stops there, or swings through the cell.",
         remedy="Shift the part (`gcodesim place` searches), tilt the tool, let its spin free, or split the program with"
         " a rapid at a safe height.",
