@@ -413,6 +413,8 @@ def _printing() -> Json:
         filament_laid_mm=number("what goes forward while the head moves"),
         laid_mm3=volume,
         slicer_time_s=optional(number("how long it takes, as the slicer says in a comment")),
+        model_time_s=optional(number("without the code at the start and the end; where the slicer tells such a time")),
+        slicer_model_time_s=optional(number("the same as the slicer says in a comment")),
         slicer_filament_mm=optional(number("filament of all nozzles, as the slicer says in a comment")),
         nozzles=array(
             "the tools that extrude",

@@ -21,6 +21,9 @@ if TYPE_CHECKING:
     from gcodesim.planning import Plan
     from gcodesim.tools.tool import Tool
 
+_CODE_AROUND: Final = "Custom"
+"""What slicers call the code of the printer at the start, the end and between tools."""
+
 _USUAL: Final = 1.75 * MM  # diameter of filament where the cell has no extruder
 
 
@@ -72,6 +75,7 @@ def printing_of(
     features = np.array([state.section.feature if state.section is not None else "" for state in path.states])[
         path.state
     ]
+    by_feature = [{"feature": name, **each} for name, each in _grouped(features, time, laid, area, laid_only=False)]
     return {
         "filament_mm": rounded(float(all_lengths.sum()) / MM),
         "filament_forward_mm": rounded(float(np.maximum(all_lengths, 0.0).sum()) / MM),
@@ -79,13 +83,22 @@ def printing_of(
         "laid_mm3": rounded(float((laid * area).sum()) / MM3),
         **({} if estimate.time is None else {"slicer_time_s": rounded(estimate.time)}),
         **({} if estimate.filament is None else {"slicer_filament_mm": rounded(estimate.filament / MM)}),
+        **_of_model(by_feature, estimate),
         "nozzles": nozzles,
         "layers": [
             {"layer": number, "z_mm": rounded(heights[number] / MM), **each}
             for number, each in _grouped(layer, time, laid, area, laid_only=True)
         ],
-        "features": [{"feature": name, **each} for name, each in _grouped(features, time, laid, area, laid_only=False)],
+        "features": by_feature,
     }
+
+
+def _of_model(features: list[dict[str, Any]], estimate: SlicerEstimate) -> dict[str, float]:
+    """The time of all but the code at the start and the end, where the slicer says what it expects of that."""
+    if estimate.model_time is None:
+        return {}
+    own = sum(each["time_s"] for each in features if each["feature"] not in ("", _CODE_AROUND))
+    return {"model_time_s": rounded(own), "slicer_model_time_s": rounded(estimate.model_time)}
 
 
 def _area(tool: Tool | None) -> float:

@@ -1,4 +1,4 @@
-"""How a program switches its tools: never, in rapids, through a change, on nothing, or out of range."""
+"""How a program switches its tools: never, for nothing, in rapids, through a change, on nothing, or out of range."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from gcodesim.canon import ToolChange
 from gcodesim.cell.signal_values import number_after, value_after
-from gcodesim.diagnostics import Diagnostic
+from gcodesim.diagnostics import Diagnostic, Span
 from gcodesim.diagnostics.events import Flags
 from gcodesim.executor.signals import signals_of_rows
 from gcodesim.frozen import frozen
@@ -38,10 +38,11 @@ class SwitchedTool:
 
 
 def switching_findings(path: ToolPath, shop: Shop) -> Iterator[Diagnostic]:
-    """GS508, GS509, GS514, GS539 and GS542 from the words of a program alone; a print by E words switches nothing."""
+    """GS508, GS509, GS514, GS539, GS542, GS549 from the words of a program; a print by E words switches none."""
     if not len(path):
         return
     yield from _out_of_range(path, shop)
+    yield from _without_amount(path, shop)
     for switched in switched_tools(path, shop):
         yield from _of_tool(path, shop, switched)
 
@@ -138,6 +139,43 @@ def _out_of_range(path: ToolPath, shop: Shop) -> Iterator[Diagnostic]:
                 limit=limit,
                 unit=signal.unit or None,
             )
+
+
+def _without_amount(path: ToolPath, shop: Shop) -> Iterator[Diagnostic]:
+    """GS549 of tools that are switched on while a signal that they need is 0 as long as they are in use."""
+    mode = shop.cell.channels[shop.channel].laser_mode
+    signals: dict[str, NDArray[Any]] | None = None
+    for number, tool in sorted(shop.cell.tools.items()):
+        for process in (PROCESSES[kind] for kind in tool.processes):
+            needed = [signal for signal in process.needs(tool) if signal.name in shop.signal_sources]
+            held = np.array([state.tool == number for state in path.states])[path.state]
+            if not needed or not held.any() or (path.extrude[held] != 0.0).any():
+                continue
+            signals = signals or signals_of_rows(path, shop.signal_sources, shop.signals, mode)
+            on = _first_switch(path, shop, process, held)
+            for signal in needed:
+                if on is None or signals[signal.name][held].any():
+                    continue
+                word = shop.signal_sources[signal.name].word
+                stands = word.type in ("speed", "turning")
+                why = "which counts only while the spindle turns" if stands else "and no word sets it"
+                yield Diagnostic(
+                    code="GS549",
+                    span=on,
+                    message=f"{tool.name} is switched on, and its `{signal.name}` is 0 all along: the cell gives it by "
+                    f"{word.text}, {why}",
+                    hint="say M3 with S before" if stands else f"say {word.text} with its number before",
+                )
+
+
+def _first_switch(path: ToolPath, shop: Shop, process: type[Process], held: Flags) -> Span | None:
+    """The first word that switches a process on while its tool is `held` (n,); None: there is none."""
+    switches = [signal for signal in process.reads if signal.set_by]
+    for noted in path.events:
+        values = (value_after(noted.event, signal, shop.signal_sources) for signal in switches)
+        if held[min(noted.row, len(held) - 1)] and any(value is not None and value > 0.0 for value in values):
+            return noted.event.span
+    return None
 
 
 def untriggered(cell: Cell) -> list[Sensor]:

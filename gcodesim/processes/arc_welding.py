@@ -79,6 +79,10 @@ class ArcWelding(Process):
     def is_on(cls, signals: Mapping[str, NDArray[Any]], tool: WeldingTorch) -> NDArray[np.bool_]:
         return (signals[ACTIVE.name] > 0.0) & ~(signals[WIRE_SPEED.name] <= 0.0)
 
+    @classmethod
+    def needs(cls, tool: WeldingTorch) -> tuple[Signal, ...]:
+        return (WIRE_SPEED,)
+
     def begin(self) -> ProcessState:
         return ProcessState()
 

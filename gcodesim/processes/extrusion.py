@@ -75,6 +75,10 @@ class Extrusion(Process):
     def is_on(cls, signals: Mapping[str, NDArray[Any]], tool: Extruder) -> NDArray[np.bool_]:
         return (signals[ACTIVE.name] > 0.0) & ~(signals[FLOW.name] <= 0.0)
 
+    @classmethod
+    def needs(cls, tool: Extruder) -> tuple[Signal, ...]:
+        return (FLOW,)
+
     @property
     def swept(self) -> Array | None:
         half, height = 0.5 * self.extruder.bead_width, self.extruder.bead_height

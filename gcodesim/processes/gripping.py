@@ -172,6 +172,10 @@ class Gripping(Process):
         """While it is told to be closed; only a vacuum shows that, fingers are seen by themselves."""
         return signals[GRIP.name] > 0.5
 
+    @classmethod
+    def needs(cls, tool: Gripper) -> tuple[Signal, ...]:
+        return (OPENING,) if tool.widest else ()
+
     def begin(self) -> ProcessState:
         values = np.zeros(_State.SIZE)
         values[3] = -1.0

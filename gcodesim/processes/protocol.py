@@ -162,6 +162,11 @@ class Process:
         """Whether the log draws it as switched on (n,): what gives something off while it is on; None as of `is_on`."""
         return cls.is_on(signals, tool)
 
+    @classmethod
+    def needs(cls, tool: Any) -> tuple[Signal, ...]:
+        """The signals that it reads without which nothing comes of it: one of them that stays 0 is told (GS549)."""
+        return ()
+
     @property
     def zone(self) -> Zone:
         """Where it acts, seen from the tip of its tool."""

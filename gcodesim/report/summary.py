@@ -150,6 +150,9 @@ def _printing_rows(printing: Mapping[str, Any]) -> list[list[str]]:
     ]
     if said:
         rows.append(["  as the slicer says", ", ".join(said), ""])
+    if "model_time_s" in printing:
+        told = f"{printing['slicer_model_time_s']:.1f} s as the slicer says"
+        rows.append(["  the model alone", f"{printing['model_time_s']:.1f} s", told])
     layers, features = printing["layers"], printing["features"]
     if layers:
         slowest = max(layers, key=lambda each: each["time_s"])

@@ -381,3 +381,17 @@ def test_filament_alone_takes_a_trapezoid():
     event = Extrude(span=Span(""), length=-0.002, feed=0.02, limits=limits)
 
     assert filament_time(event) == pytest.approx(0.002 / 0.02 + 0.02 / 1.0)
+
+
+def test_the_model_alone_is_compared_with_what_the_slicer_says_of_it():
+    """Code at the start and the end is left out where the slicer tells the time of its model apart."""
+    model = "; FEATURE: Outer wall\nG1 X40 Y30 E2 F1200\nG1 X80 Y30 E2\nG1 X80 Y50 E2\n"
+    around = "; FEATURE: Custom\nG4 S9\nG1 X10 Y10 Z3 F6000\n"
+    says = "; BambuStudio 02.06.00.51\n; model printing time: 4s; total estimated time: 4m 30s\n"
+    printing = run_texts(f"{says}G21\nG90\nM83\n{around}{model}{around}", CELL).results.printing
+    alone = run_texts(f"G21\nG90\nM83\n{around}{model}", CELL).results.printing
+
+    wall = next(each for each in printing["features"] if each["feature"] == "Outer wall")
+    assert printing["model_time_s"] == wall["time_s"] < 7.0
+    assert (printing["slicer_model_time_s"], printing["slicer_time_s"]) == (4.0, 270.0)
+    assert "model_time_s" not in alone

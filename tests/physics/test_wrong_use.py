@@ -81,6 +81,12 @@ USES = {
     "a flow below nothing": (at(3, "M67 E0 Q-5\n" + PASS.format(z=3), CELL), [("GS509", 4)]),
     "more abrasive than all": (at(7, "M67 E1 Q250\n" + PASS.format(z=0), CELL), [("GS509", 4)]),
     "more power than there is": (at(6, "M67 E2 Q250\n" + PASS.format(z=0), CELL), [("GS544", 7)]),
+    "fingers that follow a spindle that stands": (
+        at(4, "S1\nG0 Z90\nM12\nG4 P1\nM13", CELL + "  opening: {word: S, per: 1}\n"),
+        [("GS549", 6), ("GS561", 6)],
+    ),
+    "a pump without flow": (at(3, PASS.format(z=3), CELL), [("GS549", 5)]),
+    "an arc without wire": (at(10, "M67 E3 Q0\n" + PASS.format(z=0), CELL), [("GS549", 6)]),
     "a wire that goes back": (at(10, "M67 E3 Q-5\n" + PASS.format(z=0), CELL), [("GS509", 4)]),
 }
 
@@ -91,6 +97,12 @@ RIGHT = {
     "dots between rapids": at(6, "G0 X5 Y20 Z0\nM10\nG4 P0.2\nM11\nG0 X30\nM10\nG4 P0.2\nM11\nG0 Z40"),
     "tacks between rapids": at(10, "G0 X5 Y20 Z0\nM10\nG4 P0.2\nM11\nG0 X30\nM10\nG4 P0.2\nM11\nG0 Z40"),
     "a gripper that is opened first": at(4, "G0 Z90\nM13\nG4 P0.1\nG0 X20"),
+    "fingers that follow a spindle that turns": at(
+        4, "S1 M3\nG0 Z90\nM13\nG4 P0.1\nM5", CELL + "  opening: {word: S, per: 1}\n"
+    ),
+    "a pump with flow for a part of its way": at(
+        3, "M67 E0 Q0\n" + PASS.format(z=3).replace("F600", "F600\nM67 E0 Q160\nG1 X58"), CELL
+    ),
     "a picture": at(9, "G0 Z90\nM110"),
 }
 

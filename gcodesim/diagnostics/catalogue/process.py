@@ -418,6 +418,17 @@ CODES: tuple[Code, ...] = (
         "E word.",
     ),
     Code(
+        code="GS549",
+        severity=Severity.WARNING,
+        title="Switched on with nothing to give",
+        what="A tool is switched on while what it needs is 0 as long as it is in use: the flow of a pump, the speed of "
+        "a wire, the opening of fingers. The cell gives it by a word that the program never says, or by S while the "
+        "spindle stands.",
+        why="Nothing is laid, or the fingers never open.",
+        remedy="Say the word before the tool is switched on; S counts with M3 or M4. Or leave the signal out of the "
+        "cell: then the value of the tool holds.",
+    ),
+    Code(
         code="GS560",
         severity=Severity.ERROR,
         title="A part is lost",

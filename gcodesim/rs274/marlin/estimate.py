@@ -36,6 +36,7 @@ _SPELLED_TIMES: Final = (
     _comment(rb"estimated printing time = ([^\r\n]*)"),
     _comment(rb"Build [Tt]ime: ([0-9]+ hours?[^\r\n]*)"),
 )
+_MODEL_TIME: Final = _comment(rb"model printing time: ([^;\r\n]*)")
 _COUNTED_TIMES: Final = (
     (_comment(rb"TIME:" + _NUMBER + rb"[ \t]*\r?$"), 1.0),
     (_comment(rb"Print Time: " + _NUMBER + rb"[ \t]*\r?$"), 1.0),
@@ -60,29 +61,38 @@ _FILAMENTS: Final = (
 
 
 class SlicerEstimate(NamedTuple):
-    """`time` [s] and `filament` [m] that the slicer says; None where it says nothing."""
+    """`time` [s] and `filament` [m] that the slicer says; None where it says nothing.
+
+    `model_time` [s] is without the code at the start and the end and without what is allowed for getting ready.
+    """
 
     time: float | None
     filament: float | None
+    model_time: float | None = None
 
 
 def estimate_in(source: SourceText) -> SlicerEstimate:
     """What the comments at the ends of a program say."""
     ends = source.raw if len(source.raw) <= 2 * _ENDS else source.raw[:_ENDS] + b"\n" + source.raw[-_ENDS:]
-    return SlicerEstimate(_time(ends), _filament(ends))
+    return SlicerEstimate(_time(ends), _filament(ends), _spelled(_MODEL_TIME, ends))
 
 
 def _time(ends: bytes) -> float | None:
     for pattern in _SPELLED_TIMES:
-        if (found := pattern.search(ends)) is not None:
-            parts = _SPELLED.findall(found[1])
-            if parts:
-                return sum(float(number) * _SECONDS[unit] for number, unit in parts)
+        if (time := _spelled(pattern, ends)) is not None:
+            return time
     for pattern, unit in _COUNTED_TIMES:
         if (found := pattern.search(ends)) is not None and float(found[1]) != _NOT_YET_KNOWN:
             return float(found[1]) * unit
     elapsed = _ELAPSED.findall(ends)
     return float(elapsed[-1]) if elapsed else None
+
+
+def _spelled(pattern: re.Pattern[bytes], ends: bytes) -> float | None:
+    """A time [s] such as `1h 2m 3s`."""
+    found = pattern.search(ends)
+    parts = [] if found is None else _SPELLED.findall(found[1])
+    return sum(float(number) * _SECONDS[unit] for number, unit in parts) if parts else None
 
 
 def _filament(ends: bytes) -> float | None:

@@ -65,7 +65,13 @@ def test_time_and_filament_are_read_as_the_slicer_writes_them(slicer: str, ends:
     assert found.filament == (None if filament is None else pytest.approx(filament * 1e-3))
 
 
+def test_the_time_of_the_model_is_told_apart() -> None:
+    text = "; model printing time: 14m 40s; total estimated time: 20m 23s\n"
+    assert estimate_in(SourceText("p.gcode", text.encode())) == (1223.0, None, 880.0)
+    assert estimate_in(SourceText("p.gcode", b"; total estimated time: 20m 23s\n")).model_time is None
+
+
 def test_the_ends_of_a_long_program_are_enough() -> None:
     lines = "G1 X1 E0.1\n" * 40_000
     found = estimate_in(SourceText("p.gcode", f"; filament used [mm] = 7\n{lines};TIME:12\n".encode()))
-    assert found == (12.0, 0.007)
+    assert found == (12.0, 0.007, None)
