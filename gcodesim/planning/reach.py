@@ -30,6 +30,7 @@ _CODES: Final = {1: "GS202", 2: "GS203", 4: "GS205"}
 _SLOW: Final = 0.5  # of the feed: below, the arm is near a singularity
 _WORTH_A_NOTE: Final = 0.99
 _BISECTIONS: Final = 30
+_FARTHEST: Final = 32  # nodes of a block at which is looked how far beyond a limit it goes
 # shifts of the part that are tried [m]
 _SHIFTS: Final = (0.025, 0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.6, 0.8)
 
@@ -75,8 +76,8 @@ def report_poses(
         if shift is None:
             shift = _shift_that_fits(kinematics, probe, choice, home)
         first = int(np.argmax(bad))
-        X, previous, s = _where_it_begins(kinematics, flange, nodes, q, first, value, home)
-        reason = kinematics.reason(X, previous, value)
+        s, previous = _where_it_begins(kinematics, flange, nodes, q, first, value, home)
+        reason = _farthest(kinematics, flange, nodes, q, bad, value, previous)
         pieces = flange.pieces
         piece = int(nodes.piece[first])
         row, share = int(pieces.row_last[piece]), _share_of(pieces, piece, s)
@@ -123,12 +124,11 @@ def _too_few(joints: Joints) -> str:
 
 def _where_it_begins(
     kinematics: Kinematics, flange: FlangePoses, nodes: Nodes, q: Array, node: int, value: int, home: Array
-) -> tuple[Array, Array, float]:
-    """First pose (4, 4) with status `value`, the joints (j,) before it, and where on its piece it is."""
+) -> tuple[float, Array]:
+    """Where on its piece the status `value` of a node begins, and the joints (j,) before that."""
     piece = nodes.piece[node : node + 1]
     if nodes.head[node]:
-        previous = q[node - 1] if node else home
-        return flange.at(piece, nodes.s[node : node + 1])[0], previous, np.inf
+        return np.inf, q[node - 1] if node else home
     high = float(nodes.s[node])
     low = float(nodes.s[node - 1]) if nodes.piece[node - 1] == piece[0] else 0.0
     previous = q[node - 1]
@@ -139,9 +139,34 @@ def _where_it_begins(
             high = middle
         else:
             low, previous = middle, found[0]
-    # the message has the numbers at the end of the block's bad part, where they clearly exceed the limit
-    X = flange.at(piece, nodes.s[node : node + 1])[0]
-    return X, previous, high
+    return high, previous
+
+
+def _farthest(
+    kinematics: Kinematics,
+    flange: FlangePoses,
+    nodes: Nodes,
+    q: Array,
+    bad: NDArray[np.bool_],
+    value: int,
+    previous: Array,
+) -> Reason:
+    """The facts behind the status `value` of the first node that is `bad` (k,), coming from joints `previous` (j,).
+
+    The number is the farthest one on the rest of the block: where it begins, it is hardly beyond its limit.
+    """
+    first = int(np.argmax(bad))
+    row = flange.pieces.row_last[nodes.piece]
+    goes_on = np.append(bad[first:] & (row[first:] == row[first]), False)
+    some = first + distinct(np.linspace(0, int(np.argmin(goes_on)) - 1, _FARTHEST).astype(np.int64))
+
+    def reason(node: int, before: Array) -> Reason:
+        X = flange.at(nodes.piece[node : node + 1], nodes.s[node : node + 1])[0]
+        return kinematics.reason(X, before, value)
+
+    found = [reason(int(node), previous if node == first else q[node - 1]) for node in some]
+    same = [each for each in found if each.what == found[0].what and each.limit == found[0].limit]
+    return max(same, key=lambda each: abs(each.value - each.limit))
 
 
 def _share_of(pieces: Pieces, piece: int, s: float) -> float:

@@ -143,6 +143,22 @@ def test_a_machine_that_cannot_turn_so_far_says_so() -> None:
     assert before < then <= 5.0 + 1e-6 and then > 4.99
 
 
+def test_an_arm_that_cannot_lean_so_far_names_the_joint_and_how_far_it_would_go() -> None:
+    under = "G0 X0 Y-60 Z80\nG2 X0 Z-80 R80 F3000\n"
+    job = job_of(
+        under,
+        cell(ARM.replace("300]", "500]"), "{cylinder: [100, 100], in: bench, rpy: [90, 0, 0]}", ", within: 50 mm"),
+    )
+    (found,) = [f for f in job.findings if f.code in ("GS202", "GS203", "GS216", "GS219")]
+    assert found.code == "GS203" and found.span is not None and found.span.line == 4 and "joint_5" in found.message
+    # as far as it goes on the block, and the time is when the joint is at its limit
+    q = sampled(job)[0][:, 4]
+    assert found.value == pytest.approx(q[np.abs(q).argmax()], abs=1e-2) and abs(found.value) > abs(found.limit) + 0.1
+    assert job.plan is not None and found.time is not None
+    then = job.plan.joints(job.plan.trajectory.sample(np.array([found.time])))[0, 4]
+    assert then == pytest.approx(found.limit, abs=1e-3)
+
+
 @pytest.mark.parametrize("smooth", [4, 8, 15, 25])
 def test_an_axis_that_comes_to_the_end_of_its_travel_goes_there_and_no_further(smooth: int) -> None:
     text = cell(MILL.replace("[-100, 100 deg]", "[-20, 20 deg]"), PIPE, f", smooth: {smooth} mm")
