@@ -271,10 +271,14 @@ def depth_at(outline: Array, axis: Array, tip: Array, corners: Array, normals: A
 def depth_on(
     outline: Array, axis: Array, start: Array, end: Array, corners: Array, normals: Array, t: float, tip: Array
 ) -> float:
-    """`depth_at` with the tip at share `t` of the way from `start` to `end`; `tip` (3,) is room to work in."""
+    """`depth_at` with the tip at share `t` of the way from `start` to `end`; minus the distance where they are apart.
+
+    As an upper bound the depth may be greatest where they do not meet at all. `tip` (3,) is room to work in.
+    """
     for c in range(3):
         tip[c] = start[c] + t * (end[c] - start[c])
-    return depth_at(outline, axis, tip, corners, normals)
+    distance = separation(outline, axis, tip, tip, corners, EXACT)
+    return -distance if distance > 0.0 else depth_at(outline, axis, tip, corners, normals)
 
 
 @kernel
@@ -283,9 +287,9 @@ def touch(
 ) -> tuple[float, float]:
     """Depth [m] of one part of the tool in one hull on a straight piece, 0 where they keep clear, and where they meet.
 
-    That is a share of the piece. On a straight way into a convex body the depth rises to one top and falls again, so
-    the top is found by golden section and the first contact before it by halving. That asks for the distance, since
-    the depth of a tool that leans is an upper bound. `tip` (3,) is room to work in.
+    That is a share of the piece. On a straight way into a convex body the distance falls, the depth rises to one top
+    and falls again, so the top is found by golden section and the first contact before it by halving. `tip` (3,) is
+    room to work in.
     """
     if separation(outline, axis, start, end, corners, tolerance) > 0.0:
         return 0.0, 0.0
@@ -316,7 +320,7 @@ def touch(
             at_right = depth_on(outline, axis, start, end, corners, normals, right, tip)
     if best <= tolerance:
         return 0.0, 0.0
-    if at_start > 0.0 and separation(outline, axis, start, start, corners, EXACT) <= 0.0:
+    if at_start > 0.0:
         return best, 0.0
     outside, inside = 0.0, top
     for _ in range(ROUNDS):

@@ -15,6 +15,7 @@ from gcodesim.solids import Box, Cylinder, Mesh, Placed, Point
 from gcodesim.tools.ball_end_mill import BallEndMill
 from gcodesim.tools.flat_end_mill import FlatEndMill
 from gcodesim.tools.sections import Holder, StackedSection
+from gcodesim.units import MM
 
 UP = np.array([[0.0, 0.0, 1.0]])
 
@@ -293,3 +294,49 @@ def test_a_finding_says_line_both_bodies_place_and_depth() -> None:
 def test_the_catalogue_explains(code: str) -> None:
     entry = code_of(code)
     assert entry.what and entry.why and entry.remedy
+
+
+LEANING = [
+    # radius and length of the tool, size, place and angles of the plate, way of the tip, first contact by coal 3.0.3
+    (
+        (4.024188, 27.296791), (9.051319, 11.05973, 17.290523), (65.435158, -72.461935, 27.704998),
+        (-23.63786, 160.990338, 19.308344),
+        (56.6362, -82.9747, 43.1587), (44.9565, -27.6987, 6.1027),
+        (54.38388827, -72.31528383, 36.0128261),
+    ),
+    (
+        (0.828147, 26.463258), (53.975369, 39.62164, 0.5), (-76.736231, -78.222727, 17.132215),
+        (-47.258675, -174.291968, -101.464441),
+        (-17.146, -51.9787, -5.3714), (-74.8418, -103.3105, 36.0736),
+        (-65.36226871, -94.87658619, 29.26410652),
+    ),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("tool", "size", "place", "rpy", "start", "end", "first"), LEANING)
+@pytest.mark.parametrize("pieces", [1, 2, 7, 40])
+def test_leaning_plates_are_met_where_they_are_however_the_way_is_cut(
+    tool: tuple[float, float],
+    size: Point,
+    place: Point,
+    rpy: Point,
+    start: Point,
+    end: Point,
+    first: Point,
+    pieces: int,
+) -> None:
+    """[mm, deg]. The bound of the depth was greatest before they met, and the first contact told up to 1.8 mm early."""
+    half = 0.5 * MM * np.array(size)
+    plate = Placed(
+        Box(lower=tuple((-half).tolist()), upper=tuple(half.tolist())),
+        Pose(np.array(place) * MM, rotation_from_rpy(*np.deg2rad(rpy).tolist())),
+    )
+    radius, length = tool[0] * MM, tool[1] * MM
+    outline = np.array([[0.0, 0.0], [radius, 0.0], [radius, length], [0.0, length]])
+    parts = ToolParts(name="T2", outlines=(("cutting", outline),))
+    way = np.linspace(start, end, pieces + 1) * MM
+
+    hits = touch(parts, Obstacle.of("plate", [plate]), *map(tuple, way.tolist()))
+
+    assert len(hits) == 1
+    assert np.array(hits[0].tip) / MM == pytest.approx(np.array(first), abs=2e-4)
