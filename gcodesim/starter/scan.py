@@ -43,7 +43,8 @@ _DIAMETERS: Final = (
         rf"(?<![A-Za-z0-9.-])([0-9]+\.[0-9]*|\.[0-9]+)()\s+(?:{_STYLE}\s+)*(?:(?:end)?mill|drill|reamer)\b",
         re.IGNORECASE,
     ),
-    re.compile(rf"(?:mill|drill)\s+{_NUMBER}()(?![0-9.-])", re.IGNORECASE),  # `DRILL 03-0018` is its place in a shelf
+    # `DRILL 03-0018` is its place in a shelf, `CHAMFER MILL 90 DEG` an angle
+    re.compile(rf"(?:mill|drill)\s+{_NUMBER}()(?![0-9.-]|\s*-?\s*(?:deg|°))", re.IGNORECASE),
     re.compile(rf"^\s*:\s*{_NUMBER}()\s*$"),
 )
 _OF_A_TOOL = re.compile(r"mill|drill|bit|tool|cutter|ball|fr[aäe]s|frez|bohr|broca|foret|\bdia", re.IGNORECASE)

@@ -170,3 +170,13 @@ def test_lengths_that_h0_takes_away_are_those_of_touched_off_tools() -> None:
 
     assert b"loaded_tool: 1 " in cell_for(SourceText("x.nc", program))
     assert b"loaded_tool" not in cell_for(SourceText("x.nc", h1))
+
+
+@pytest.mark.parametrize(
+    ("note", "diameter"),
+    [("CHAMFER MILL 90 DEG", None), ("SPOT DRILL 120\N{DEGREE SIGN}", None), ("END MILL 6", 6.0), ("DRILL 5.5", 5.5)],
+)
+def test_an_angle_is_no_diameter(note: str, diameter: float | None) -> None:
+    (tool,) = scan(SourceText("x.nc", f"G21\nT2 M6 ({note})\nM30\n".encode())).tools
+
+    assert tool.diameter == diameter
