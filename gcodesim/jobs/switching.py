@@ -16,6 +16,7 @@ from gcodesim.executor.signals import signals_of_rows
 from gcodesim.frozen import frozen
 from gcodesim.motion.tool_path import RAPID, ToolPath
 from gcodesim.processes import PROCESSES
+from gcodesim.processes.signal import ACTIVE
 
 if TYPE_CHECKING:
     from gcodesim.cell import Cell
@@ -146,36 +147,39 @@ def _without_amount(path: ToolPath, shop: Shop) -> Iterator[Diagnostic]:
     mode = shop.cell.channels[shop.channel].laser_mode
     signals: dict[str, NDArray[Any]] | None = None
     for number, tool in sorted(shop.cell.tools.items()):
+        held = np.array([state.tool == number for state in path.states])[path.state]
         for process in (PROCESSES[kind] for kind in tool.processes):
-            needed = [signal for signal in process.needs(tool) if signal.name in shop.signal_sources]
-            held = np.array([state.tool == number for state in path.states])[path.state]
-            if not needed or not held.any() or (path.extrude[held] != 0.0).any():
+            if not process.needs(tool) or not held.any() or (path.extrude[held] != 0.0).any():
                 continue
             signals = signals or signals_of_rows(path, shop.signal_sources, shop.signals, mode)
             on = _first_switch(path, shop, process, held)
-            for signal in needed:
-                if on is None or signals[signal.name][held].any():
-                    continue
-                word = shop.signal_sources[signal.name].word
-                stands = word.type in ("speed", "turning")
-                why = "which counts only while the spindle turns" if stands else "and no word sets it"
-                yield Diagnostic(
-                    code="GS549",
-                    span=on,
-                    message=f"{tool.name} is switched on, and its `{signal.name}` is 0 all along: the cell gives it by "
-                    f"{word.text}, {why}",
-                    hint="say M3 with S before" if stands else f"say {word.text} with its number before",
-                )
+            for name in (signal.name for signal in process.needs(tool)):
+                if on is not None and name in signals and not signals[name][held].any():
+                    why, hint = _why_nothing(name, shop)
+                    message = f"{tool.name} is switched on, and its `{name}` is 0 all along: {why}"
+                    yield Diagnostic(code="GS549", span=on, message=message, hint=hint)
+
+
+def _why_nothing(name: str, shop: Shop) -> tuple[str, str]:
+    """Why a signal stays 0, and what to do."""
+    source = shop.signal_sources.get(name)
+    if source is None:
+        return "the script sets it so", "set another value before it is switched on"
+    text = source.word.text
+    if source.word.type in ("speed", "turning"):
+        return f"the cell gives it by {text}, which counts only while the spindle turns", "say M3 with S before"
+    return f"the cell gives it by {text}, and no word sets it", f"say {text} with its number before"
 
 
 def _first_switch(path: ToolPath, shop: Shop, process: type[Process], held: Flags) -> Span | None:
-    """The first word that switches a process on while its tool is `held` (n,); None: there is none."""
+    """Where a process is first switched on while its tool is `held` (n,), by a word or with the path; None: nowhere."""
     switches = [signal for signal in process.reads if signal.set_by]
     for noted in path.events:
         values = (value_after(noted.event, signal, shop.signal_sources) for signal in switches)
         if held[min(noted.row, len(held) - 1)] and any(value is not None and value > 0.0 for value in values):
             return noted.event.span
-    return None
+    rows = np.flatnonzero(held & path.active)
+    return path.span(int(rows[0])) if len(rows) and ACTIVE in process.reads else None
 
 
 def untriggered(cell: Cell) -> list[Sensor]:

@@ -397,6 +397,18 @@ def test_a_tool_that_is_on_for_nothing_or_never_is_told(
     assert all(finding["file"] == Path(__file__).name and finding["line"] > 0 for finding in found)
 
 
+@pytest.mark.parametrize(("flow", "told"), [(0.0, True), (1.6e-7, False)])
+def test_a_pump_without_flow_is_told(tmp_path: Path, flow: float, told: bool) -> None:
+    path = gcodesim.ToolPath.from_points([[0.002, -0.008, 0.003], [0.018, -0.008, 0.003]], feed=0.01)
+    with gcodesim.open_cell(_cell(tmp_path)) as cell:
+        head = cell.tool(2)
+        head.couple(cell.robot())
+        head.set("flow", flow)
+        head.extrude(path)
+    found = [finding.message for finding in cell.results.findings if finding.code == "GS549"]
+    assert found == (["T2 is switched on, and its `flow` is 0 all along: the script sets it so"] if told else [])
+
+
 def test_a_way_that_another_posture_can_go_is_told_with_that_posture(tmp_path: Path) -> None:
     """Joint 4 would have to turn beyond its limit; with the wrist the other way round it does not, as the hint says."""
     with gcodesim.open_cell(_cell(tmp_path)) as cell:
