@@ -23,7 +23,9 @@ if TYPE_CHECKING:
     from gcodesim.planning.grips import Grip
     from gcodesim.planning.load_kernels import Needs
 
-_SHARE: Final = 0.98  # of an effort limit; the rest is for what changes between the places that are looked at
+PLANNED: Final = (
+    0.98  # of an effort limit that plans use; the rest is for what changes between the places that are looked at
+)
 _FOR_WORK: Final = 0.99  # of what a joint at rest leaves its motor; the rest is for motion, however much the work asks
 _LEAST: Final = 1e-4  # of speed squared: slower than a hundredth nothing is run
 
@@ -138,7 +140,7 @@ class Loads:
             coulomb=none if own is None else own.coulomb,
             viscous=none if own is None else own.viscous,
             rotor=none if own is None else own.rotor,
-            limit=_SHARE * self.limit,
+            limit=PLANNED * self.limit,
         )
 
     def efforts(
@@ -213,9 +215,9 @@ class Loads:
         motion is as slow as with the largest that can be had, so that a little more of it never makes it quicker.
         """
         with np.errstate(invalid="ignore"):
-            left = np.maximum(_SHARE * self.limit - np.abs(static), 0.0)
+            left = np.maximum(PLANNED * self.limit - np.abs(static), 0.0)
         kept = np.minimum(reserve, _FOR_WORK * left)
-        limit = _SHARE * self.limit - kept
+        limit = PLANNED * self.limit - kept
         rows = np.arange(len(static))
         share, joint, most = np.ones(len(static)), np.full(len(static), -1), np.zeros(len(static))
         for efforts in moved:

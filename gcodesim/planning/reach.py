@@ -14,6 +14,7 @@ from gcodesim.frames import Array
 from gcodesim.kinematics.pointing import ALL_SIDES
 from gcodesim.kinematics.protocol import Status
 from gcodesim.motion.pieces import Pieces
+from gcodesim.planning.loads import PLANNED
 from gcodesim.planning.moments import OnPiece, PathFindings
 from gcodesim.planning.nodes import Nodes
 from gcodesim.planning.spin_choice import SampledPath, SpinChoice
@@ -269,13 +270,14 @@ def report_slow_motors(kinematics: Kinematics, pieces: Pieces, slowing: Slowing,
     unit = "N·m" if joints.kinds[j] == "revolute" else "N"
     begin = needed.first
     at, worst_at = (pieces.path.span(int(pieces.row_last[p])) for p in (begin.piece, int(needed.piece[worst])))
-    effort, limit, spare = float(needed.effort[worst]), float(joints.effort[j]), float(needed.reserve[worst])
+    effort, limit, spare = float(needed.effort[worst]), PLANNED * float(joints.effort[j]), float(needed.reserve[worst])
     besides = f", and {spare:.1f} {unit} of it for friction and the force of the work," if spare > 0.0 else ""
     findings.add(
         Diagnostic(
             code="GS231",
             message=f"accelerates with {100.0 * needed.share[worst]:.0f} %: {joints.names[j]} would need"
-            f" {effort:.1f} {unit} for its weight and inertia{besides} and can give {limit:.1f} {unit}",
+            f" {effort:.1f} {unit} for its weight and inertia{besides} and can give {limit:.1f} {unit}"
+            f" ({100.0 * PLANNED:g} % of its limit)",
             span=at,
             hint=f"most of all in line {worst_at.line}" if worst_at.line != at.line else "",
             count=_blocks(pieces, needed.piece),

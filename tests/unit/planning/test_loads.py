@@ -10,7 +10,7 @@ import pytest
 
 from gcodesim.arithmetic.matrices import applied
 from gcodesim.cell.loader import read_cell
-from gcodesim.diagnostics import SourceText
+from gcodesim.diagnostics import Diagnostic, SourceText
 from gcodesim.jobs.job import Job
 from gcodesim.planning.loads import Loads, Motors
 from gcodesim.planning.shop_posing import loads_of
@@ -103,6 +103,20 @@ def test_a_force_that_no_slowness_helps_against_is_told() -> None:
     notes = [finding for finding in job_of(tool=", expected_force: 900 N").findings if finding.code == "GS231"]
 
     assert any("from the worst side" in note.message and note.value > note.limit for note in notes)  # type: ignore[operator]
+
+
+def test_the_lightest_payload_that_slows_needs_just_more_than_a_motor_gives() -> None:
+    def notes(mass: float) -> list[Diagnostic]:
+        job = job_of(control=f", payload: {{mass: {mass} kg}}")
+        return [finding for finding in job.findings if finding.code == "GS231"]
+
+    none, some = 0.0, 40.0
+    for _ in range(8):
+        middle = 0.5 * (none + some)
+        none, some = (none, middle) if notes(middle) else (middle, some)
+    (note,) = notes(some)
+    assert note.value is not None and note.limit is not None
+    assert 0.0 < note.value - note.limit < 0.02 * note.limit
 
 
 def test_friction_and_rotors_of_a_controller_count() -> None:
