@@ -23,7 +23,7 @@ from gcodesim.tools.parts import body_part
 from gcodesim.units import MM
 
 if TYPE_CHECKING:
-    from gcodesim.checks.meetings import JointWay, Meeting
+    from gcodesim.checks.meetings import JointWay, Meeting, MovingBodies
     from gcodesim.checks.plan_way import PlanWay
     from gcodesim.planning.plan import Plan
     from gcodesim.tools.tool import Tool
@@ -187,13 +187,14 @@ class _Check:
         if not pairs:
             return
         begin, way = self._part(run)
-        for i, j in self._touching_at_start(bodies, pairs, way):
+        moving = self.machine.moving(bodies, pairs)
+        for i, j in self._touching_at_start(bodies, moving, way):
             names = (bodies[i].rigid.name, bodies[j].rigid.name)
             if names not in self.checks.allowed:
                 self.checks.allowed.add(names)
                 yield self._allowed(*names, begin)
         rest = [(i, j) for i, j in pairs if (bodies[i].rigid.name, bodies[j].rigid.name) not in self.checks.allowed]
-        for meeting in self.machine.moving(bodies, rest).search(way):
+        for meeting in moving.of_pairs(rest).search(way):
             yield self._finding(bodies[meeting.first], bodies[meeting.second], meeting, begin)
 
     def _part(self, run: tuple[int, int] | None) -> tuple[int, JointWay]:
@@ -219,12 +220,12 @@ class _Check:
             if meeting.gap > -TOUCH:
                 yield self._near_miss(bodies[meeting.first], bodies[meeting.second], meeting, begin, clearance)
 
-    def _touching_at_start(self, bodies: Sequence[CarriedBody], pairs: Pairs, way: JointWay) -> Pairs:
+    def _touching_at_start(self, bodies: Sequence[CarriedBody], moving: MovingBodies, way: JointWay) -> Pairs:
         """Pairs of the machine itself that are in each other where the way begins: so it was drawn."""
         from gcodesim.checks.meetings import JointWay
 
-        own = [pair for pair in pairs if of_machine_itself(bodies[pair[0]], bodies[pair[1]])]
-        met = self.machine.moving(bodies, own).search(JointWay.straight(way.q[:1]))
+        own = [(i, j) for i, j in moving.pairs.tolist() if of_machine_itself(bodies[i], bodies[j])]
+        met = moving.of_pairs(own).search(JointWay.straight(way.q[:1]))
         return [(meeting.first, meeting.second) for meeting in met]
 
     def _allowed(self, one: str, other: str, begin: int) -> Diagnostic:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Final
 
@@ -86,6 +87,10 @@ class MovingBodies:
     pairs: NDArray[np.int64]
     woods: Woods | None = None
     carrier: NDArray[np.int64] | None = None
+
+    def of_pairs(self, pairs: Sequence[tuple[int, int]]) -> MovingBodies:
+        """The same bodies, for other pairs of them."""
+        return replace(self, pairs=np.array(pairs, dtype=np.int64).reshape(-1, 2), woods=self._woods)
 
     @cached_property
     def _woods(self) -> Woods:

@@ -102,8 +102,9 @@ class Postures:
             names = [body.rigid.name for body in bodies]
             pairs = [pair for pair in pairs if frozenset(names[k] for k in pair) not in self.apart]
             drawn = [pair for pair in pairs if of_machine_itself(*(bodies[k] for k in pair))]
-            inside = [pair for pair in drawn if self.machine.moving(bodies, [pair]).touching(self.home[None])[0] >= 0]
-            moving = self.machine.moving(bodies, [pair for pair in pairs if pair not in inside])
+            moving = self.machine.moving(bodies, pairs)
+            inside = [pair for pair in drawn if moving.of_pairs([pair]).touching(self.home[None])[0] >= 0]
+            moving = moving.of_pairs([pair for pair in pairs if pair not in inside])
             self._known[number] = moving, tuple(bodies)
         return self._known[number]
 

@@ -193,6 +193,11 @@ class RigidBody:
         return sides_of(self.convexes, self.balls[0])
 
     @cached_property
+    def sizes(self) -> Array:
+        """How deep they can be at most (k, 3); see `sizes_of`."""
+        return sizes_of(self.convexes, self.balls[1])
+
+    @cached_property
     def dents(self) -> tuple[DentedMesh, ...]:
         """Its meshes that are not convex."""
         return tuple(
@@ -293,6 +298,6 @@ def _forest_of(bodies: Sequence[RigidBody], many: NDArray[np.int64]) -> tuple[Fo
     root = np.zeros(len(many), dtype=np.int64)
     plant(at, size, sides, np.ascontiguousarray(at.T), many, forest, root)
     leaf = np.flatnonzero(forest.left < 0)
-    forest.most[leaf] = np.concatenate([sizes_of(body.convexes, body.balls[1]) for body in bodies])[forest.convex[leaf]]
+    forest.most[leaf] = np.concatenate([body.sizes for body in bodies])[forest.convex[leaf]]
     gather(forest)
     return forest, root

@@ -203,7 +203,11 @@ def _rates(kinematics: Kinematics, flange: Flange, nodes: Nodes, q: Array, bridg
         first, last = _exact_rates(kinematics, flange, nodes, q, some)
         ends, way = i[some], length[some, None]
         rates.start[some], rates.end[some] = first, last
-        rates.mean[some] = np.where(way > _CLOSE, (q[ends] - q[ends - 1]) / way, 0.5 * (first + last))
+        near = way[:, 0] <= _CLOSE
+        mean = q[ends] - q[ends - 1]
+        mean /= np.where(near[:, None], 1.0, way)
+        mean[near] = 0.5 * (first[near] + last[near])
+        rates.mean[some] = mean
     hold_rates(rates, length, bridged[i], _CLOSE, _STEEPEST)
     return rates
 
@@ -216,7 +220,12 @@ def _exact_rates(kinematics: Kinematics, flange: Flange, nodes: Nodes, q: Array,
     outside = None if flange.guide is None else flange.guide.outside
     arm = kinematics if outside is None else outside.assembly.arm
     J = np.ascontiguousarray(arm.jacobian(q[low:high] if outside is None else q[low:high, outside.assembly.own]))
-    out, back = flange.velocities(piece, begin), flange.velocities(piece, end)
+    # most segments begin as the one before ends
+    own = np.append(True, (piece[1:] != piece[:-1]) | (begin[1:] != end[:-1]))
+    back = flange.velocities(piece, end)
+    out = np.empty_like(back)
+    out[1:] = back[:-1]
+    out[own] = flange.velocities(piece[own], begin[own])
     leaving, arriving = (np.zeros((high - low, out.shape[1])) for _ in range(2))
     leaving[i - 1 - low], arriving[i - low] = out, back
     rates = joint_rates(J, leaving, arriving)

@@ -518,7 +518,7 @@ class Recorder:
             if column.of == "greatest"
         }
         self._writer.close(self._now_ns, state, record, {RESULTS_NAME: text}, self._instants.peaks)
-        write_files(self._out, self._shop, results, self._job.skins)
+        write_files(self._out, self._shop, results, self._job.skins, text=text)
 
     def abandon(self) -> None:
         """After a fault: keep what is there, under the name of an incomplete log."""

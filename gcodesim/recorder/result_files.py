@@ -13,13 +13,20 @@ from gcodesim.shop import Shop
 
 
 def write_files(
-    out: Path, shop: Shop, results: Results, skins: Mapping[str, PaintedSkin], *, shapes: bool = True
+    out: Path,
+    shop: Shop,
+    results: Results,
+    skins: Mapping[str, PaintedSkin],
+    *,
+    text: bytes | None = None,
+    shapes: bool = True,
 ) -> None:
     """Write the results of a run in `shop` into the folder `out`, with `shapes` those of stocks and films, too.
 
-    `skins` are those of the stocks that were compared with a target, by their names.
+    `skins` are those of the stocks that were compared with a target, by their names; `text` is that of the results,
+    from whoever has it already.
     """
-    write_whole(out / RESULTS_NAME, results.text().encode())
+    write_whole(out / RESULTS_NAME, results.text().encode() if text is None else text)
     write_whole(out / LINES_NAME, results.lines_csv().encode())
     if shapes:
         _write_stocks(out, shop)
