@@ -128,6 +128,15 @@ def arc_of(words: Words, control: Control, start: Vector, end: Vector, code: int
     return Arc(centre, signed_turns)
 
 
+def allowed_miss(control: Control) -> tuple[float, float]:
+    """By how much the radii at both ends of an arc may differ [m]: so much always, and more than that never."""
+    if control.dialect.arc_miss is None:
+        always = _ALWAYS_INCH * INCH if control.state.unit == INCH else _ALWAYS_MM * MM
+        return always, always * _NEVER_FACTOR
+    always, most = control.dialect.arc_miss
+    return MM * always, MM * most
+
+
 def _check_radii(
     words: Words,
     control: Control,
@@ -139,11 +148,8 @@ def _check_radii(
     unit = control.state.unit
     at_start, at_end = math.dist(start, centre) * unit, math.dist(end, centre) * unit
     at = next((letter for letter in "ijk" if letter in words.values), None)
-    if control.dialect.arc_miss is None:
-        always = (_ALWAYS_INCH * INCH) if unit == INCH else _ALWAYS_MM * MM
-        most, radius = always * _NEVER_FACTOR, max(at_start, at_end)
-    else:
-        always, most, radius = *(MM * miss for miss in control.dialect.arc_miss), at_start
+    always, most = allowed_miss(control)
+    radius = max(at_start, at_end) if control.dialect.arc_miss is None else at_start
     dot = control.dialect.dots_are_lines and at_start < _SMALLEST_RADIUS and at_end <= always
     if not dot and min(at_start, at_end) < _SMALLEST_RADIUS:
         which = "start" if at_start < _SMALLEST_RADIUS else "end"

@@ -86,7 +86,12 @@ class Executor:
 
     def _own_lanes(self) -> Lanes | None:
         """The compiled lane that knows this language, if there is one."""
-        return PlainLanes(self.run.source, self.settings, self.control, self.flow)
+        return PlainLanes(self.run.source, self.settings, self.control, self.flow, self._longest_plain_line)
+
+    @property
+    def _longest_plain_line(self) -> int:
+        """The most characters of a line that the compiled lane need not look at closely."""
+        return self.dialect.longest_line
 
     @property
     def folders(self) -> tuple[Path, ...]:

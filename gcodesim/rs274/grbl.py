@@ -65,14 +65,13 @@ class GrblFile(ProgramFile):
 class GrblExecutor(Executor):
     """Blocks as in RS274, after what Grbl refuses."""
 
-    is_quick = False
-
     def __init__(self, run: Run) -> None:
         super().__init__(run)
         self.settings = replace(self.settings, block_delete=False)  # it passes over the slash itself
 
-    def _own_lanes(self) -> None:
-        return None
+    @property
+    def _longest_plain_line(self) -> int:
+        return _LONGEST
 
     def _parts(self, source: SourceText) -> tuple[ProgramFile, Control, FlowControl]:
         file = GrblFile(source, self.reader)

@@ -86,10 +86,12 @@ class LongLanes:
 
 
 class PlainLanes:
-    """The compiled lane of one run, opened once it pays."""
+    """The compiled lane of one run, opened once it pays; longer lines than `longest` are left to the other."""
 
-    def __init__(self, source: SourceText, settings: Settings, control: Control, flow: FlowControl) -> None:
-        self._control, self._flow = control, flow
+    def __init__(
+        self, source: SourceText, settings: Settings, control: Control, flow: FlowControl, longest: int
+    ) -> None:
+        self._control, self._flow, self._longest = control, flow, longest
         self._lane: PlainLane | None = None
         self._eager = settings.lane == "compiled"
         self._may_compile = self._eager or len(source.raw) >= _PLAIN_WORTH_COMPILING
@@ -109,5 +111,5 @@ class PlainLanes:
             if not (self._may_compile or is_ready() or block >= _BLOCKS_WORTH_COMPILING):
                 self._from = _BLOCKS_WORTH_COMPILING
                 return None
-            lane = self._lane = PlainLane(self._control, self._flow, eager=self._eager)
+            lane = self._lane = PlainLane(self._control, self._flow, self._longest, eager=self._eager)
         return lane if lane.is_open() else None

@@ -9,8 +9,6 @@ from gcodesim.compiled import kernel
 
 # as in arcs.py
 _RELATIVE_MISS = 1e-3
-_ALWAYS_MM, _ALWAYS_INCH = 0.02 * math.sqrt(2.0) * 1e-3, 0.002 * math.sqrt(2.0) * 25.4e-3
-_NEVER_FACTOR = 100.0
 _SMALLEST_RADIUS = 1.27e-6
 _FULL_CIRCLE_ANGLE = 1e-6 * (math.pi / 180.0)
 
@@ -36,14 +34,19 @@ def apart(ax: float, ay: float, bx: float, by: float) -> float:
 
 
 @kernel
-def radii_agree(ax: float, ay: float, bx: float, by: float, cx: float, cy: float, unit: float, inch: int) -> bool:
-    """Whether an arc about `c` from `a` to `b` is accepted for sure; program units of `unit` [m]."""
+def radii_agree(
+    ax: float, ay: float, bx: float, by: float, cx: float, cy: float, unit: float, always: float, most: float, by_start: int
+) -> bool:
+    """Whether an arc about `c` from `a` to `b` is accepted for sure; program units of `unit` [m].
+
+    Its radii may differ by `always` [m], or by a share of the radius, up to `most` [m]: of the greater one, or `by_start`.
+    """
     at_start, at_end = apart(ax, ay, cx, cy) * unit, apart(bx, by, cx, cy) * unit
     least = _SMALLEST_RADIUS * (1.0 + _SURE)
     if not (at_start > least and at_end > least):
         return False
-    always = _ALWAYS_INCH if inch else _ALWAYS_MM
-    allowed = min(max(always, _RELATIVE_MISS * max(at_start, at_end)), always * _NEVER_FACTOR)
+    radius = at_start if by_start else max(at_start, at_end)
+    allowed = min(max(always, _RELATIVE_MISS * radius), most)
     return abs(at_start - at_end) < allowed * (1.0 - 1e-6)
 
 

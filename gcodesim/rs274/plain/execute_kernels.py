@@ -19,9 +19,13 @@ from gcodesim.rs274.plain.cycle_kernels import hole
 from gcodesim.rs274.plain.flow_kernels import o_word
 from gcodesim.rs274.plain.layout_kernels import (
     ACTS,
+    ARC_ALWAYS,
     ARC_CENTRE,
+    ARC_MOST,
     ARC_TURNS,
     ARCS,
+    ARCS_NAME_AXES,
+    BY_START,
     CALLED,
     CENTRE_ABSOLUTE,
     CHAIN,
@@ -39,6 +43,7 @@ from gcodesim.rs274.plain.layout_kernels import (
     FLOWS_WANTED,
     FRAME,
     FRAMES,
+    HAS_CYCLES,
     HAS_SPEED,
     INCH,
     INCREMENTAL,
@@ -185,10 +190,10 @@ def _read_codes(modes: Column) -> bool:
         elif code == 900 or code == 910:
             group = 4
             modes[WANTED + 2] = 1 if code == 910 else 0
-        elif code in _CYCLES or (code == 730 and modes[IS_EXTENDED]):
+        elif modes[HAS_CYCLES] and (code in _CYCLES or (code == 730 and modes[IS_EXTENDED])):
             group = 1
             modes[WANTED] = code
-        elif (code == 980 or code == 990) and not modes[COMPENSATES]:
+        elif modes[HAS_CYCLES] and (code == 980 or code == 990) and not modes[COMPENSATES]:
             group = 128
             modes[WANTS_R] = 1 if code == 990 else 0
         elif code == _NO_CYCLE:
@@ -224,7 +229,8 @@ def _execute(
     motion = modes[WANTED]
     has_axes = seen & _AXES != 0
     modal = modes[MOTION]
-    if motion < 0 and (has_axes or ((modal == 20 or modal == 30) and seen & _CENTRE != 0)):
+    carries_on = (modal == 20 or modal == 30) and seen & _CENTRE != 0 and not modes[ARCS_NAME_AXES]
+    if motion < 0 and (has_axes or carries_on):
         if modal < 0 or modal == _NO_CYCLE:
             return False
         motion = modal
@@ -331,8 +337,10 @@ def _centre(seen: int, numbers: Column, modes: Column, motion: int) -> bool:
             return False
     if motion == 20:
         count = -count
+    named = (seen >> (_X + first)) & 1 != 0 or (seen >> (_X + second)) & 1 != 0
+    if modes[ARCS_NAME_AXES] and not named:
+        return False
     if (seen >> _R) & 1:
-        named = (seen >> (_X + first)) & 1 or (seen >> (_X + second)) & 1
         if seen & _CENTRE != 0 or not named:
             return False
         exists, cx, cy = centre_by_radius(numbers[VALUES + _R], ax, ay, bx, by, count, numbers[UNIT])
@@ -349,7 +357,8 @@ def _centre(seen: int, numbers: Column, modes: Column, motion: int) -> bool:
                 return False
         else:
             cx, cy = ax + cx, ay + cy
-        if not radii_agree(ax, ay, bx, by, cx, cy, numbers[UNIT], modes[INCH]):
+        always, most = numbers[ARC_ALWAYS], numbers[ARC_MOST]
+        if not radii_agree(ax, ay, bx, by, cx, cy, numbers[UNIT], always, most, modes[BY_START]):
             return False
     numbers[ARC_CENTRE], numbers[ARC_CENTRE + 1], modes[ARC_TURNS] = cx, cy, count
     return True

@@ -14,9 +14,10 @@ from gcodesim.compiled import Kernel
 from gcodesim.compiled.arguments import Argument, name_of
 from gcodesim.compiled.object_code import is_kept
 from gcodesim.diagnostics.span_table import Origin
-from gcodesim.rs274.arcs import PLANE_AXES
+from gcodesim.rs274.arcs import PLANE_AXES, allowed_miss
 from gcodesim.rs274.compensation import Held, is_on
 from gcodesim.rs274.control import Control
+from gcodesim.rs274.dialects.dialect import Dialect
 from gcodesim.rs274.ends import start_point
 from gcodesim.rs274.flow import FlowControl
 from gcodesim.rs274.plain import layout_kernels as at
@@ -48,6 +49,8 @@ _TAKES: Final = (
 """What `run_lines` is called with."""
 _PECK, _DWELL = {"q": at.CYCLE_Q}, {"p": at.CYCLE_P}
 _WORDS_OF_SOME: Final = {730: _PECK, 830: _PECK, 820: _DWELL, 890: _DWELL}
+_KNOWN_LETTERS: Final = "abcfgijkpqrxyz"
+_USERS: Final = frozenset(("g2", "g3", "g73", "g82", "g83", "g89"))
 _KNOWN_CYCLES: Final = frozenset((730, 810, 820, 830, 850, 890))
 
 
@@ -57,11 +60,13 @@ def is_ready() -> bool:
 
 
 class PlainLane:
-    """Executes the lines of a program that the kernels know; `eager` tries every line, whether it may pay or not."""
+    """Executes the lines of a program that the kernels know, of at most `longest` characters.
 
-    def __init__(self, control: Control, flow: FlowControl, *, eager: bool = False) -> None:
-        self._control, self._flow = control, flow
-        self._longest = control.dialect.longest_line
+    `eager` tries every line, whether it may pay or not.
+    """
+
+    def __init__(self, control: Control, flow: FlowControl, longest: int, *, eager: bool = False) -> None:
+        self._control, self._flow, self._longest = control, flow, longest
         self._eager = eager
         self.worth_a_batch = 0 if eager else _WORTH_A_BATCH
         self._pause, self._next_pause = 0, 1
@@ -71,6 +76,7 @@ class PlainLane:
         self._shapes = np.empty((MOST_MOVES, at.SHAPE))
         self._acts = np.empty((MOST_MOVES, 2), dtype=np.int32)
         self._program = ProgramState(control, flow, self._modes, self._numbers)
+        _write_dialect(control.dialect, self._modes)
         self._bind()
 
     def _bind(self) -> None:
@@ -172,6 +178,19 @@ class PlainLane:
         self._pause = self._next_pause
 
 
+def _write_dialect(dialect: Dialect, modes: Column) -> None:
+    """What the kernels have to know of it."""
+    known = [
+        letter
+        for letter in _KNOWN_LETTERS
+        if letter == "g" or (letter in dialect.letters and not _USERS.isdisjoint(dialect.users.get(letter, _USERS)))
+    ]
+    modes[at.PLAIN_LETTERS] = sum(1 << (ord(letter) - ord("a")) for letter in known)
+    modes[at.COMPUTES : at.BY_START + 1] = (
+        dialect.computes, 810 in dialect.g_groups, dialect.arcs_name_axes, dialect.arc_miss is not None,
+    )  # fmt: skip
+
+
 def _write_state(control: Control, numbers: Column, modes: Column) -> None:
     state = control.state
     turn = math.radians(state.rotation)
@@ -186,6 +205,7 @@ def _write_state(control: Control, numbers: Column, modes: Column) -> None:
         state.cycle_start, words.get("r", 0.0), words.get(depth, 0.0), words.get("q", 0.0), words.get("p", 0.0),
     )  # fmt: skip
     numbers[at.CYCLE_DWELL], modes[at.RUNNING] = state.cycle_dwell, state.cycle
+    numbers[at.ARC_ALWAYS : at.ARC_MOST + 1] = allowed_miss(control)
     beside = is_on(control)
     modes[: at.SIDE + 1] = (
         state.motion, state.plane, state.incremental, state.centre_absolute, state.feed_mode,

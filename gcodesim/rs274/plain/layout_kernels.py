@@ -50,7 +50,9 @@ MOST_VALUES: Final = 64
 SETTINGS: Final = 169  # values of the line's `#index=value`, in order
 ARGUMENTS: Final = 201  # values of the brackets behind an O-word
 CYCLE_DWELL: Final = 231  # the last P of a cycle
-NUMBERS: Final = 232
+ARC_ALWAYS: Final = 232  # how far the radii at both ends of an arc may differ: so much always, more than that never
+ARC_MOST: Final = 233
+NUMBERS: Final = 234
 
 # modes: the state, what it will be after the line, what happened, codes in the line
 MOTION: Final = 0
@@ -116,7 +118,13 @@ FAILED: Final = 166  # whether the program is only read on for its further fault
 RUNNING: Final = 167  # the running canned cycle, -1 for none
 WANTS_R: Final = 168  # G99 after the line
 STARTED: Final = 169  # a cycle began since the kernel was called, so the words of the one before are gone
-MODES: Final = 170
+# the dialect
+PLAIN_LETTERS: Final = 170  # that plain lines have, as bits, bit 0 for A
+COMPUTES: Final = 171  # whether it has parameters, expressions and O-words
+HAS_CYCLES: Final = 172
+ARCS_NAME_AXES: Final = 173
+BY_START: Final = 174  # whether the radius of an arc is that at its start
+MODES: Final = 175
 
 # rows of moves: floats 0 to 5 the end, 6 the feed; integers:
 END_FEED: Final = 7

@@ -18,7 +18,9 @@ from gcodesim.rs274.plain.expression_kernels import (
 )
 from gcodesim.rs274.plain.layout_kernels import (
     CODES,
+    COMPUTES,
     FRESH,
+    PLAIN_LETTERS,
     MISSING,
     MOST_CODES,
     MOST_SET,
@@ -39,8 +41,6 @@ O_WORD = -2
 """What it returns for a line that begins with an O-word; TEXT says where."""
 
 _G = 6
-# A B C F G I J K P Q R X Y Z
-_KNOWN = sum(1 << (ord(letter) - ord("a")) for letter in "abcfgijkpqrxyz")
 _LARGEST = 1e30  # as in expressions.py
 
 
@@ -65,7 +65,7 @@ def scan_line(text: Column, at: int, stop: int, numbers: Column, modes: Column, 
         at = behind_blanks(text, at, stop)
     if at < stop and (text[at] == 79 or text[at] == 111):
         modes[TEXT] = at
-        return O_WORD
+        return O_WORD if modes[COMPUTES] else NOT_PLAIN
     while True:
         while at < stop and (text[at] == 32 or text[at] == 9):
             at += 1
@@ -79,12 +79,14 @@ def scan_line(text: Column, at: int, stop: int, numbers: Column, modes: Column, 
             continue
         at += 1
         if char == 35:
+            if not modes[COMPUTES]:
+                return NOT_PLAIN
             at = _setting_at(text, at, stop, numbers, modes, memory, tables)
             if at < 0:
                 return NOT_PLAIN
             continue
         letter = (char | 32) - 97
-        if char < 65 or letter < 0 or letter > 25 or not (_KNOWN >> letter) & 1:
+        if char < 65 or letter < 0 or letter > 25 or not (modes[PLAIN_LETTERS] >> letter) & 1:
             return NOT_PLAIN
         digit = at + 1 if at < stop and (text[at] == 45 or text[at] == 43) else at
         if digit < stop and (48 <= text[digit] <= 57 or text[digit] == 46):
@@ -94,6 +96,8 @@ def scan_line(text: Column, at: int, stop: int, numbers: Column, modes: Column, 
                 return NOT_PLAIN
             value = -numbers[RESULT] if negative else numbers[RESULT]
         else:
+            if not modes[COMPUTES]:
+                return NOT_PLAIN
             at = value_at(text, at, stop, numbers, modes, memory, tables)
             if at < 0:
                 return NOT_PLAIN
