@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 from itertools import repeat
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, Literal
 
-from gcodesim.canon.events import ArcFeed, Dwell, Event, FeedUnit, LinearFeed, PathMode, Rapid
+from gcodesim.canon.events import ArcFeed, Dwell, Event, FeedUnit, LinearFeed, PathMode, Rapid, Spindle
 from gcodesim.diagnostics import Span
 from gcodesim.frozen import frozen
 
@@ -27,13 +27,14 @@ ARC_CCW: Final = 3
 EXACT: Final = 0
 BACK: Final = 1
 DWELL: Final = 2
+S_WORD: Final = 3
 
 _AT_A_TIME: Final = 1024  # moves that exist as events, where only the first ones may be wanted
 
 
 @frozen(eq=False)
 class MoveBatch:
-    """n moves, and nothing else but what canned cycles do between them.
+    """n moves, and nothing else but what canned cycles do between them, and S words.
 
     `kind` (n,): RAPID, LINE, ARC_CW, ARC_CCW; `word` (n,) the number of the motion word, 81 for G81; `end` (n, 6)
     [m, rad]; `feed` (n,) as in `LinearFeed`, 0 for rapids, in rad where `rotary` (n,), per revolution where
@@ -43,7 +44,8 @@ class MoveBatch:
     `extrude` (n,) [m] is the filament that goes along, None where the program has none. `between` are states and
     filament alone (`SectionStart`, `Extrude`), each before the move that its number names.
     `acts` (k, 2) happen before the move that the first number names: EXACT path control for a hole, BACK to `path`,
-    DWELL for `dwell` seconds.
+    DWELL for `dwell` seconds, S_WORD for `speed` (n,) [rad/s] of a spindle that turns in `direction`. `speed` means
+    nothing where no such act stands, and is None without one.
     """
 
     origins: tuple[Origin, ...]
@@ -62,6 +64,8 @@ class MoveBatch:
     dwell: float
     extrude: NDArray[np.float64] | None = None
     between: tuple[tuple[int, Event], ...] = ()
+    speed: NDArray[np.float64] | None = None
+    direction: Literal["off", "cw", "ccw"] = "off"
 
     def __len__(self) -> int:
         return len(self.kind)
@@ -72,9 +76,12 @@ class MoveBatch:
         file, callers = self.origins[int(self.origin[row])]
         return Span(file, line, column, line, end_column, callers)
 
-    def act(self, row: int, what: int) -> PathMode | Dwell:
+    def act(self, row: int, what: int) -> PathMode | Dwell | Spindle:
         """The event of an act before move `row`."""
         span = self.span(row - 1 if what == BACK else row)
+        if what == S_WORD:
+            assert self.speed is not None
+            return Spindle(span=span, direction=self.direction, speed=float(self.speed[row]))
         if what == DWELL:
             return Dwell(span=span, seconds=self.dwell)
         return PathMode(span=span, mode="exact_path") if what == EXACT else replace(self.path, span=span)
@@ -157,5 +164,6 @@ class MoveBatch:
             shapes=self.shapes[int((self.kind[:rows] > LINE).sum()) :],
             acts=acts,
             extrude=None if self.extrude is None else self.extrude[rows:],
+            speed=None if self.speed is None else self.speed[rows:],
             between=tuple((row - rows, event) for row, event in self.between if row >= rows),
         )

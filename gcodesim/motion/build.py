@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
+from itertools import pairwise
 from math import copysign, pi
 
 import numpy as np
@@ -40,7 +41,7 @@ from gcodesim.canon import (
     ToolSelect,
     WorkSystem,
 )
-from gcodesim.canon.batch import EXACT, MoveBatch
+from gcodesim.canon.batch import EXACT, S_WORD, MoveBatch
 from gcodesim.canon.batch import RAPID as RAPID_MOVE
 from gcodesim.frames import Pose
 from gcodesim.motion import pace
@@ -60,6 +61,7 @@ from gcodesim.motion.tool_path import (
     ToolState,
 )
 
+_SIGNS = {"cw": 1.0, "ccw": -1.0, "off": 0.0}
 _MODES = {"exact_stop": EXACT_STOP, "exact_path": EXACT_PATH, "blend": BLEND}
 
 # Events for which the machine does not stop; all others wait for the end of motion, as in LinuxCNC's task.
@@ -142,7 +144,11 @@ class PathBuilder:
                 self.add(event)
             return
         first, tags = len(self.rows), self.tags
-        state = self._states_between(batch) if batch.between else self._states_of(batch.word)
+        turns: Iterator[tuple[float, float]] = iter(())
+        if batch.speed is not None:
+            state, turns = self._states_at_speeds(batch)
+        else:
+            state = self._states_between(batch) if batch.between else self._states_of(batch.word)
         feed = batch.feed * self._revolutions() if batch.per_revolution else batch.feed
         if not batch.kind.all():
             feed = np.where(batch.kind == RAPID_MOVE, np.inf, feed)
@@ -153,9 +159,9 @@ class PathBuilder:
                 event = batch.act(row, what)
                 if isinstance(event, PathMode):
                     exact[row] += 1 if what == EXACT else -1
-                elif event.seconds > 0.0:
+                elif isinstance(event, Spindle) or event.seconds > 0.0:
                     self.rows.stop_at(first + row - 1)
-                self.events.append(PathEvent(first + row, event))
+                self.events.append(PathEvent(first + row, event, next(turns) if what == S_WORD else None))
             exact = np.cumsum(exact[:-1], dtype=np.int8).astype(bool)
             if exact.any():
                 self._path_mode(batch.path)
@@ -181,6 +187,24 @@ class PathBuilder:
             states[number] = self._state_with(f"G{number}")
         self._state_with(f"G{words[-1]}")
         return states[words]
+
+    def _states_at_speeds(self, batch: MoveBatch) -> tuple[NDArray[np.int32], Iterator[tuple[float, float]]]:
+        """The states of the rows of a batch with S words, and what the spindle turns at before and after each."""
+        assert batch.speed is not None
+        said = batch.acts[batch.acts[:, 1] == S_WORD, 0]
+        spindle = np.append(self.current.spindle, _SIGNS[batch.direction] * batch.speed[said] + 0.0)
+        stretch = np.searchsorted(said, np.arange(len(batch)), side="right")
+        _, alike = np.unique(spindle, return_inverse=True)
+        kinds = alike[stretch] * (int(batch.word.max()) + 1) + batch.word
+        _, first, which = np.unique(kinds, return_index=True, return_inverse=True)
+        states = np.empty(len(first), dtype=np.int32)
+        for kind in [*np.argsort(first).tolist(), which[-1]]:
+            row = first[kind]
+            self._set(replace(self.current, spindle=float(spindle[stretch[row]])))
+            states[kind] = self._state_with(f"G{batch.word[row]}")
+        self.spindle_speed = abs(float(spindle[-1]))
+        turning = np.copysign(2.0 * pi * (np.abs(spindle) / (2.0 * pi)), spindle).tolist()
+        return states[which], pairwise(turning)
 
     def _states_between(self, batch: MoveBatch) -> NDArray[np.int32]:
         """The states of the rows of a batch in which sections begin and filament moves alone."""
@@ -276,13 +300,13 @@ class PathBuilder:
             self._path_mode(event)
         elif isinstance(event, Spindle):
             before = self._turning()
-            sign = {"cw": 1.0, "ccw": -1.0, "off": 0.0}[event.direction]
+            sign = _SIGNS[event.direction]
             surface = event.unit == "m/s"
             most = self.fastest or 0.0
             cap = min(event.max_speed or most, most or event.max_speed or 0.0)
             self.spindle_speed = cap if surface else event.speed
             surface_speed = event.speed if surface and sign else 0.0
-            self._set(replace(now, spindle=sign * self.spindle_speed, surface_speed=surface_speed))
+            self._set(replace(now, spindle=sign * self.spindle_speed + 0.0, surface_speed=surface_speed))  # no -0
             turns = (before, self._turning())
         elif isinstance(event, Coolant):
             self._set(replace(now, flood=event.flood, mist=event.mist))

@@ -6,6 +6,8 @@ import math
 
 from gcodesim.arithmetic.atan_kernels import atan2
 from gcodesim.compiled import kernel
+from gcodesim.rs274.plain.columns import Column
+from gcodesim.rs274.plain.layout_kernels import ARC_ALWAYS, ARC_MOST, BY_START, UNIT
 
 # as in arcs.py
 _RELATIVE_MISS = 1e-3
@@ -35,19 +37,18 @@ def apart(ax: float, ay: float, bx: float, by: float) -> float:
 
 @kernel
 def radii_agree(
-    ax: float, ay: float, bx: float, by: float, cx: float, cy: float, unit: float, always: float, most: float, by_start: int
+    ax: float, ay: float, bx: float, by: float, cx: float, cy: float, numbers: Column, modes: Column
 ) -> bool:
-    """Whether an arc about `c` from `a` to `b` is accepted for sure; program units of `unit` [m].
-
-    Its radii may differ by `always` [m], or by a share of the radius, up to `most` [m]: of the greater one, or `by_start`.
-    """
+    """Whether an arc about `c` from `a` to `b` is accepted for sure, in program units."""
+    unit, always, most = numbers[UNIT], numbers[ARC_ALWAYS], numbers[ARC_MOST]
     at_start, at_end = apart(ax, ay, cx, cy) * unit, apart(bx, by, cx, cy) * unit
     least = _SMALLEST_RADIUS * (1.0 + _SURE)
     if not (at_start > least and at_end > least):
         return False
-    radius = at_start if by_start else max(at_start, at_end)
+    radius = at_start if modes[BY_START] else max(at_start, at_end)
     allowed = min(max(always, _RELATIVE_MISS * radius), most)
-    return abs(at_start - at_end) < allowed * (1.0 - 1e-6)
+    agree: bool = abs(at_start - at_end) < allowed * (1.0 - 1e-6)
+    return agree
 
 
 @kernel

@@ -6,6 +6,7 @@ from gcodesim.compiled import kernel
 from gcodesim.rs274.plain.arc_kernels import plane_axes
 from gcodesim.rs274.plain.columns import Column
 from gcodesim.rs274.plain.layout_kernels import (
+    ACTS,
     ARCS,
     COS,
     CURRENT,
@@ -84,6 +85,14 @@ def put(
     facts[row, ROTARY] = kind > 0 and rotary
     facts[row, WORD] = word
     modes[ROWS] = row + 1
+
+
+@kernel
+def act(modes: Column, acts: Column, what: int) -> None:
+    """Something that happens before the next move."""
+    acts[modes[ACTS], 0] = modes[ROWS]
+    acts[modes[ACTS], 1] = what
+    modes[ACTS] += 1
 
 
 @kernel

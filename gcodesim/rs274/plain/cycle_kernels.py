@@ -7,7 +7,7 @@ from typing import NamedTuple
 from gcodesim.compiled import kernel
 from gcodesim.rs274.plain.arc_kernels import plane_axes
 from gcodesim.rs274.plain.columns import Column
-from gcodesim.rs274.plain.control_kernels import append
+from gcodesim.rs274.plain.control_kernels import act, append
 from gcodesim.rs274.plain.layout_kernels import (
     ACTS,
     BACK,
@@ -144,7 +144,7 @@ def _drill(
     now = numbers[CURRENT + normal]
     height = now if now > clear else level
     if not modes[EXACT_PATH]:
-        _act(modes, acts, EXACT)
+        act(modes, acts, EXACT)
     _aim(numbers)
     numbers[TARGET + first], numbers[TARGET + second], numbers[TARGET + normal] = to_a, to_b, height
     append(numbers, modes, moves, facts, 0, word, True)
@@ -161,12 +161,12 @@ def _drill(
             down -= step
     _along(numbers, modes, moves, facts, normal, bottom, 1, word)
     if dwells:
-        _act(modes, acts, DWELL)
+        act(modes, acts, DWELL)
     if code == 850:
         _along(numbers, modes, moves, facts, normal, clear, 1, word)
     _along(numbers, modes, moves, facts, normal, level, 1 if code == 890 else 0, word)
     if not modes[EXACT_PATH]:
-        _act(modes, acts, BACK)
+        act(modes, acts, BACK)
 
 
 @kernel
@@ -193,11 +193,3 @@ def _along(
     _aim(numbers)
     numbers[TARGET + normal] = height
     append(numbers, modes, moves, facts, kind, word, True)
-
-
-@kernel
-def _act(modes: Column, acts: Column, what: int) -> None:
-    """Something that happens before the next move."""
-    acts[modes[ACTS], 0] = modes[ROWS]
-    acts[modes[ACTS], 1] = what
-    modes[ACTS] += 1

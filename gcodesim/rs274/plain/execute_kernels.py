@@ -14,18 +14,15 @@ from gcodesim.compiled import kernel
 from gcodesim.rs274.plain.arc_kernels import apart, centre_by_radius, plane_axes, radii_agree, sweep_of
 from gcodesim.rs274.plain.columns import Column
 from gcodesim.rs274.plain.compensation_kernels import go_beside, meets
-from gcodesim.rs274.plain.control_kernels import append, put_arc
+from gcodesim.rs274.plain.control_kernels import act, append, put_arc
 from gcodesim.rs274.plain.cycle_kernels import hole
 from gcodesim.rs274.plain.flow_kernels import o_word
 from gcodesim.rs274.plain.layout_kernels import (
     ACTS,
-    ARC_ALWAYS,
     ARC_CENTRE,
-    ARC_MOST,
     ARC_TURNS,
     ARCS,
     ARCS_NAME_AXES,
-    BY_START,
     CALLED,
     CENTRE_ABSOLUTE,
     CHAIN,
@@ -54,6 +51,7 @@ from gcodesim.rs274.plain.layout_kernels import (
     MOST_ACTS_OF_LINE,
     MOST_ROWS_OF_LINE,
     MOTION,
+    MOVE_SPEED,
     NAMED,
     NEXT,
     PLACE,
@@ -61,9 +59,13 @@ from gcodesim.rs274.plain.layout_kernels import (
     RETRACT_TO_R,
     ROWS,
     RUNNING,
+    S_SAID,
+    S_WORD,
     SET,
     SIDE,
+    SPEED,
     STARTED,
+    TAKES_S,
     TARGET,
     UNIT,
     VALUES,
@@ -73,7 +75,7 @@ from gcodesim.rs274.plain.layout_kernels import (
 from gcodesim.rs274.plain.parameter_kernels import settle
 from gcodesim.rs274.plain.reader_kernels import NOT_PLAIN, O_WORD, scan_line
 
-_F, _I, _P, _Q, _R, _X = 5, 8, 15, 16, 17, 23
+_F, _I, _P, _Q, _R, _S, _X = 5, 8, 15, 16, 17, 18, 23
 _CYCLES = (810, 820, 830, 850, 890)  # and G73
 _NO_CYCLE = 800
 _AXES = (1 << 23) | (1 << 24) | (1 << 25) | 7
@@ -117,7 +119,7 @@ def run_lines(lines: LaneText, state: LaneState, rows: LaneRows, first: int, mos
     numbers, modes, memory, tables = state
     moves, facts, shapes, acts = rows
     modes[ROWS] = modes[ARCS] = modes[ACTS] = modes[STARTED] = modes[FLOWED] = modes[NAMED] = modes[CALLED] = 0
-    modes[CHANGED] = 0
+    modes[CHANGED] = modes[S_SAID] = 0
     modes[LOWEST] = modes[LEVEL]
     modes[NEXT] = modes[LAST] = index = first
     done = 0
@@ -234,8 +236,11 @@ def _execute(
         if modal < 0 or modal == _NO_CYCLE:
             return False
         motion = modal
+    has_speed = (seen >> _S) & 1 != 0
+    if has_speed and (not modes[TAKES_S] or modes[SIDE] or modes[FEED_MODE] == 950 or numbers[VALUES + _S] < 0.0):
+        return False
     if motion > 30 and motion != _NO_CYCLE:
-        return hole(motion, seen, numbers, modes, moves, facts, acts)
+        return not has_speed and hole(motion, seen, numbers, modes, moves, facts, acts)
     if (seen >> _Q) & 1:
         return False
     if (motion < 20 or motion == _NO_CYCLE) and seen & _OF_ARCS != 0:
@@ -257,6 +262,8 @@ def _execute(
         elif rate == 0.0 or (modes[FEED_MODE] == 950 and not modes[HAS_SPEED]):
             return False
     goes = 20 <= motion <= 30 or (motion >= 0 and has_axes)
+    if has_speed and not goes:
+        return False
     beside = modes[SIDE] != 0
     if beside and (inverse or (motion >= 0 and not goes)):
         return False
@@ -282,6 +289,11 @@ def _execute(
         if beside:
             go_beside(numbers, modes, moves, facts, shapes, kind, linear)
             return True
+        if has_speed:
+            act(modes, acts, S_WORD)
+            numbers[SPEED] = moves[modes[ROWS], MOVE_SPEED] = numbers[VALUES + _S]
+            modes[HAS_SPEED] = numbers[SPEED] != 0.0
+            modes[S_SAID] = 1
         if motion >= 20:
             across_at = numbers[TARGET + plane_axes(modes[PLANE])[2]]
             put_arc(numbers, modes, shapes, ARC_CENTRE, across_at, _sweep(numbers, modes), modes[ARC_TURNS])
@@ -357,8 +369,7 @@ def _centre(seen: int, numbers: Column, modes: Column, motion: int) -> bool:
                 return False
         else:
             cx, cy = ax + cx, ay + cy
-        always, most = numbers[ARC_ALWAYS], numbers[ARC_MOST]
-        if not radii_agree(ax, ay, bx, by, cx, cy, numbers[UNIT], always, most, modes[BY_START]):
+        if not radii_agree(ax, ay, bx, by, cx, cy, numbers, modes):
             return False
     numbers[ARC_CENTRE], numbers[ARC_CENTRE + 1], modes[ARC_TURNS] = cx, cy, count
     return True

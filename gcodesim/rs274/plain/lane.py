@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from functools import partial
-from typing import Final, cast
+from typing import Final, Literal, cast
 
 import numpy as np
 
@@ -26,7 +26,7 @@ from gcodesim.rs274.plain.columns import Column
 from gcodesim.rs274.plain.execute_kernels import LaneRows, LaneState, LaneText, run_lines
 from gcodesim.rs274.plain.program_state import ProgramState
 from gcodesim.rs274.program_file import ProgramFile
-from gcodesim.units import DEG, INCH, MINUTE
+from gcodesim.units import DEG, INCH, MINUTE, RPM
 
 MOST_MOVES: Final = 1 << 15
 """Rows of a batch; so much memory is in use at a time however long the program is."""
@@ -49,7 +49,8 @@ _TAKES: Final = (
 """What `run_lines` is called with."""
 _PECK, _DWELL = {"q": at.CYCLE_Q}, {"p": at.CYCLE_P}
 _WORDS_OF_SOME: Final = {730: _PECK, 830: _PECK, 820: _DWELL, 890: _DWELL}
-_KNOWN_LETTERS: Final = "abcfgijkpqrxyz"
+_KNOWN_LETTERS: Final = "abcfgijkpqrsxyz"
+_DIRECTIONS: Final[tuple[Literal["ccw", "off", "cw"], ...]] = ("ccw", "off", "cw")
 _USERS: Final = frozenset(("g2", "g3", "g73", "g82", "g83", "g89"))
 _KNOWN_CYCLES: Final = frozenset((730, 810, 820, 830, 850, 890))
 
@@ -71,7 +72,7 @@ class PlainLane:
         self.worth_a_batch = 0 if eager else _WORTH_A_BATCH
         self._pause, self._next_pause = 0, 1
         self._numbers, self._modes = np.zeros(at.NUMBERS), np.zeros(at.MODES, dtype=np.int64)
-        self._moves = np.empty((MOST_MOVES, at.END_FEED))
+        self._moves = np.empty((MOST_MOVES, at.MOVE))
         self._facts = np.empty((MOST_MOVES, at.FACTS), dtype=np.int32)
         self._shapes = np.empty((MOST_MOVES, at.SHAPE))
         self._acts = np.empty((MOST_MOVES, 2), dtype=np.int32)
@@ -137,6 +138,8 @@ class PlainLane:
         rows, arcs, acts = self._modes[at.ROWS : at.ACTS + 1].tolist()
         moves, facts = self._moves[:rows].copy(), self._facts[:rows].copy()
         origins, origin = self._origins(facts)
+        spindle = self._control.state.spindle
+        direction = (spindle > 0) - (spindle < 0)
         return MoveBatch(
             origins=origins,
             kind=facts[:, at.KIND],
@@ -152,6 +155,8 @@ class PlainLane:
             acts=self._acts[:acts].copy(),
             path=self._control.path_mode(),
             dwell=float(self._numbers[at.CYCLE_P]),
+            speed=moves[:, at.MOVE_SPEED] * (RPM if direction else 0.0) if self._modes[at.S_SAID] else None,
+            direction=_DIRECTIONS[direction + 1],
         )
 
     def _origins(self, facts: Column) -> tuple[tuple[Origin, ...], Column]:
@@ -206,6 +211,7 @@ def _write_state(control: Control, numbers: Column, modes: Column) -> None:
     )  # fmt: skip
     numbers[at.CYCLE_DWELL], modes[at.RUNNING] = state.cycle_dwell, state.cycle
     numbers[at.ARC_ALWAYS : at.ARC_MOST + 1] = allowed_miss(control)
+    numbers[at.SPEED], modes[at.TAKES_S] = state.speed, state.speed != 0.0 and not state.surface_speed
     beside = is_on(control)
     modes[: at.SIDE + 1] = (
         state.motion, state.plane, state.incremental, state.centre_absolute, state.feed_mode,
@@ -230,5 +236,7 @@ def _take_over(control: Control, numbers: Column, modes: Column) -> None:
     if not is_on(control):
         state.current = (*current, *state.current[6:])
     state.feed, state.feed_unit = float(numbers[at.FEED]), float(numbers[at.FEED_UNIT])
+    if modes[at.S_SAID]:
+        state.speed, state.speed_unit = float(numbers[at.SPEED]), state.unit
     state.motion, state.plane = motion, plane
     state.incremental, state.centre_absolute = bool(incremental), bool(centre_absolute)

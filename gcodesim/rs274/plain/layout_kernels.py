@@ -52,7 +52,8 @@ ARGUMENTS: Final = 201  # values of the brackets behind an O-word
 CYCLE_DWELL: Final = 231  # the last P of a cycle
 ARC_ALWAYS: Final = 232  # how far the radii at both ends of an arc may differ: so much always, more than that never
 ARC_MOST: Final = 233
-NUMBERS: Final = 234
+SPEED: Final = 234  # the last S
+NUMBERS: Final = 235
 
 # modes: the state, what it will be after the line, what happened, codes in the line
 MOTION: Final = 0
@@ -124,10 +125,13 @@ COMPUTES: Final = 171  # whether it has parameters, expressions and O-words
 HAS_CYCLES: Final = 172
 ARCS_NAME_AXES: Final = 173
 BY_START: Final = 174  # whether the radius of an arc is that at its start
-MODES: Final = 175
+TAKES_S: Final = 175  # whether an S beside a move is known: not the first one, and no cutting speed
+S_SAID: Final = 176  # since the kernel was called
+MODES: Final = 177
 
-# rows of moves: floats 0 to 5 the end, 6 the feed; integers:
-END_FEED: Final = 7
+# rows of moves: floats 0 to 5 the end, 6 the feed, and the S that an act says before it; integers:
+MOVE_SPEED: Final = 7
+MOVE: Final = 8
 KIND: Final = 0
 ROTARY: Final = 1
 WORD: Final = 2  # number of the motion word, 81 for G81
@@ -141,6 +145,7 @@ SHAPE: Final = 8
 EXACT: Final = 0
 BACK: Final = 1
 DWELL: Final = 2
+S_WORD: Final = 3
 MOST_ACTS_OF_LINE: Final = 3
 
 MOST_ROWS_OF_LINE: Final = 2  # but for holes, which look for themselves

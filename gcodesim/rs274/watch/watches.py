@@ -85,6 +85,9 @@ class Watches:
 
     def moves(self, batch: MoveBatch) -> None:
         """A run of plain moves."""
+        if batch.speed is not None:
+            self.events(batch.events())
+            return
         for rule in self._seeing:
             rule.moves(batch)
 

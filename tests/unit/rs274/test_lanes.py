@@ -128,6 +128,8 @@ OTHERS = [
     "M5", "M3", "G1 Z-1", "G1 Z-2", "G0 Z5",
 ]  # fmt: skip
 
+SPEEDS = [*[[]] * 6, ["S0"], ["S700.5"]]
+
 
 def random_program(rng):
     """A program with all that the compiled lane knows and some that it does not; mostly right."""
@@ -145,7 +147,7 @@ def random_program(rng):
         (a, b), (i, j), across = PLANES[plane]
         if pick < 0.45:
             words = [f"{axis}{number()}" for axis in rng.sample("XYZABC", rng.randint(1, 3))]
-            lines.append(" ".join([*rng.choice([[], ["G1"], ["G0"], ["g01"]]), *words]))
+            lines.append(" ".join([*rng.choice([[], ["G1"], ["G0"], ["g01"]]), *words, *rng.choice(SPEEDS)]))
         elif pick < 0.6:
             radius = rng.choice(["90", "-90.5", "90", "200", number()])
             lines.append(
