@@ -144,6 +144,7 @@ class PathBuilder:
                 self.add(event)
             return
         first, tags = len(self.rows), self.tags
+        state: int | NDArray[np.int32]
         turns: Iterator[tuple[float, float]] = iter(())
         if batch.speed is not None:
             state, turns = self._states_at_speeds(batch)

@@ -172,8 +172,8 @@ CODES: tuple[Code, ...] = (
         title="Tool cannot stand on the surface",
         what="The tool axis is the normal of a surface, and no position of the rotary axes within their travel brings"
         " the tool there. It stays at the end of the travel, as near as it can. The message names the direction on"
-        " these feeds that is farthest beyond, and the axis that would have to go there. Of an arm GS202, GS203 or GS216"
-        " says it, with the joint.",
+        " these feeds that is farthest beyond, and the axis that would have to go there. Of an arm GS202, GS203 or"
+        " GS216 says it, with the joint.",
         why="The tool does not stand on the surface there, and its side or holder may meet it.",
         remedy="Clamp the work so that this side faces the tool, or lean the tool back with `lead` and `tilt`.",
     ),
