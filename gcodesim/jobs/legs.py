@@ -77,6 +77,7 @@ class Legs:
             centre=float(job.shop.X_BM.inverse().p[0]),
             length_leans=settings.length_leans,
             rapids_stand=DIALECTS[settings.dialect].rapids_stand,
+            power_goes_along=job.cell.channels[job.channel].laser_mode is not None,
         )
         self._marks = marks
         self._question: canon.ProbeMove | canon.Input | None = None

@@ -43,6 +43,7 @@ from gcodesim.canon import (
 )
 from gcodesim.canon.batch import EXACT, S_WORD, MoveBatch
 from gcodesim.canon.batch import RAPID as RAPID_MOVE
+from gcodesim.diagnostics import Span
 from gcodesim.frames import Pose
 from gcodesim.motion import pace
 from gcodesim.motion.rows import PathRows, Tags
@@ -103,13 +104,18 @@ class PathBuilder:
         centre: float = 0.0,
         length_leans: bool = False,
         rapids_stand: bool = False,
+        power_goes_along: bool = False,
     ) -> None:
         """`fastest` [rad/s] is the greatest speed of a lathe's spindle, where the work turns about the X `centre` [m].
 
         `fastest` is None on other machines.
 
         `length_leans`: length offsets are along the axes of a work system that leans, as an arm holds its tool.
+        `power_goes_along`: an S beside a move does not stop the machine, as in the laser mode of grbl 1.1.
         """
+        self.power_goes_along = power_goes_along
+        self._asked: Span | None = None  # where an S stands that stops the machine, unless its block makes a move
+        self._direction = "off"
         self.fastest = fastest
         self.centre = centre
         self.length_leans = length_leans
@@ -129,6 +135,8 @@ class PathBuilder:
         self.legs = 0
 
     def add(self, event: Event | MoveBatch) -> None:
+        if self._asked is not None:
+            self._settle_stop(event)
         if type(event) is LinearFeed:
             self._linear(event)
         elif type(event) is MoveBatch:
@@ -137,6 +145,14 @@ class PathBuilder:
             self._motion(event)
         elif isinstance(event, Event):
             self._other(event)
+
+    def _settle_stop(self, event: Event | MoveBatch) -> None:
+        """Stop for an S, now that its block is seen to make no move."""
+        if isinstance(event, MoveBatch) or event.span != self._asked:
+            self._stand()
+            self._asked = None
+        elif isinstance(event, Move):
+            self._asked = None
 
     def _batch(self, batch: MoveBatch) -> None:
         if self.tilts or (self.fastest is not None and self.current.surface_speed > 0.0):
@@ -160,7 +176,7 @@ class PathBuilder:
                 event = batch.act(row, what)
                 if isinstance(event, PathMode):
                     exact[row] += 1 if what == EXACT else -1
-                elif isinstance(event, Spindle) or event.seconds > 0.0:
+                elif event.seconds > 0.0 if isinstance(event, Dwell) else not self.power_goes_along:
                     self.rows.stop_at(first + row - 1)
                 self.events.append(PathEvent(first + row, event, next(turns) if what == S_WORD else None))
             exact = np.cumsum(exact[:-1], dtype=np.int8).astype(bool)
@@ -296,7 +312,7 @@ class PathBuilder:
         self._set(cutting)
 
     def _other(self, event: Event) -> None:
-        now, turns = self.current, None
+        now, turns, goes_along = self.current, None, False
         if isinstance(event, PathMode):
             self._path_mode(event)
         elif isinstance(event, Spindle):
@@ -309,6 +325,8 @@ class PathBuilder:
             surface_speed = event.speed if surface and sign else 0.0
             self._set(replace(now, spindle=sign * self.spindle_speed + 0.0, surface_speed=surface_speed))  # no -0
             turns = (before, self._turning())
+            goes_along = self.power_goes_along and event.direction == self._direction
+            self._direction = event.direction
         elif isinstance(event, Coolant):
             self._set(replace(now, flood=event.flood, mist=event.mist))
         elif isinstance(event, ToolChange | ToolNumber):
@@ -339,7 +357,9 @@ class PathBuilder:
         elif isinstance(event, Action) and event.target == "tool":
             self.tags = self.tags._replace(active=event.verb == "activate")
         passed = isinstance(event, _PASSED) or (isinstance(event, Output) and event.with_motion)
-        if not passed and not (isinstance(event, Dwell) and event.seconds <= 0.0):
+        if goes_along:
+            self._asked = event.span
+        elif not passed and not (isinstance(event, Dwell) and event.seconds <= 0.0):
             self._stand()
         self.events.append(PathEvent(len(self.rows), event, turns))
 
