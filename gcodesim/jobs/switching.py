@@ -63,10 +63,7 @@ def _switched(
 ) -> Iterator[SwitchedTool]:
     """The tools in use of whose processes `asked` knows whether they are on."""
     signals: dict[str, NDArray[Any]] | None = None
-    for number, tool in sorted(shop.cell.tools.items()):
-        held = np.array([state.tool == number for state in path.states])[path.state]
-        if not held.any() or (path.extrude[held] != 0.0).any():
-            continue
+    for tool, held in _tools_in_use(path, shop):
         for kind in tool.processes:
             if signals is None:
                 mode = shop.cell.channels[shop.channel].laser_mode
@@ -74,6 +71,14 @@ def _switched(
             on = asked(PROCESSES[kind], _of_process(PROCESSES[kind], signals, len(path)), tool)
             if on is not None:
                 yield SwitchedTool(tool=tool, process=PROCESSES[kind], held=held, on=on)
+
+
+def _tools_in_use(path: ToolPath, shop: Shop) -> Iterator[tuple[Tool, Flags]]:
+    """The tools that a path uses, and in which of its rows (n,); one that prints by E words is not among them."""
+    for number, tool in sorted(shop.cell.tools.items()):
+        held = np.array([state.tool == number for state in path.states])[path.state]
+        if held.any() and not (path.extrude[held] != 0.0).any():
+            yield tool, held
 
 
 def _of_process(process: type[Process], signals: Mapping[str, NDArray[Any]], n: int) -> dict[str, NDArray[Any]]:
@@ -146,10 +151,9 @@ def _without_amount(path: ToolPath, shop: Shop) -> Iterator[Diagnostic]:
     """GS549 of tools that are switched on while a signal that they need is 0 as long as they are in use."""
     mode = shop.cell.channels[shop.channel].laser_mode
     signals: dict[str, NDArray[Any]] | None = None
-    for number, tool in sorted(shop.cell.tools.items()):
-        held = np.array([state.tool == number for state in path.states])[path.state]
+    for tool, held in _tools_in_use(path, shop):
         for process in (PROCESSES[kind] for kind in tool.processes):
-            if not process.needs(tool) or not held.any() or (path.extrude[held] != 0.0).any():
+            if not process.needs(tool):
                 continue
             signals = signals or signals_of_rows(path, shop.signal_sources, shop.signals, mode)
             on = _first_switch(path, shop, process, held)

@@ -176,7 +176,7 @@ class PathBuilder:
                 event = batch.act(row, what)
                 if isinstance(event, PathMode):
                     exact[row] += 1 if what == EXACT else -1
-                elif event.seconds > 0.0 if isinstance(event, Dwell) else not self.power_goes_along:
+                elif self._stands_for(event):
                     self.rows.stop_at(first + row - 1)
                 self.events.append(PathEvent(first + row, event, next(turns) if what == S_WORD else None))
             exact = np.cumsum(exact[:-1], dtype=np.int8).astype(bool)
@@ -193,6 +193,10 @@ class PathBuilder:
         if self.rapids_stand:
             self.rows.stop_at(*(first + np.flatnonzero(batch.kind == RAPID_MOVE)).tolist())
         self.at = tuple(batch.end[-1].tolist())
+
+    def _stands_for(self, event: Dwell | Spindle) -> bool:
+        """Whether the machine stops for what happens between two moves of a batch."""
+        return event.seconds > 0.0 if isinstance(event, Dwell) else not self.power_goes_along
 
     def _states_of(self, words: NDArray[np.int32]) -> int | NDArray[np.int32]:
         """The index of the tool state of each row, or of all, by the numbers of their motion words."""

@@ -23,9 +23,9 @@ if TYPE_CHECKING:
     from gcodesim.planning.grips import Grip
     from gcodesim.planning.load_kernels import Needs
 
-PLANNED: Final = (
-    0.98  # of an effort limit that plans use; the rest is for what changes between the places that are looked at
-)
+PLANNED: Final = 0.98
+"""The share of an effort limit that plans use; the rest is for what changes between the places that are looked at."""
+
 _FOR_WORK: Final = 0.99  # of what a joint at rest leaves its motor; the rest is for motion, however much the work asks
 _LEAST: Final = 1e-4  # of speed squared: slower than a hundredth nothing is run
 

@@ -90,7 +90,7 @@ class Executor:
 
     @property
     def _longest_plain_line(self) -> int:
-        """The most characters of a line that the compiled lane need not look at closely."""
+        """The most characters of a line that is certainly not too long; the compiled lane leaves longer ones."""
         return self.dialect.longest_line
 
     @property

@@ -49,9 +49,9 @@ _TAKES: Final = (
 """What `run_lines` is called with."""
 _PECK, _DWELL = {"q": at.CYCLE_Q}, {"p": at.CYCLE_P}
 _WORDS_OF_SOME: Final = {730: _PECK, 830: _PECK, 820: _DWELL, 890: _DWELL}
-_KNOWN_LETTERS: Final = "abcfgijkpqrsxyz"
+_KNOWN_LETTERS: Final = "abcfgijkpqrsxyz"  # what the kernels make something of
 _DIRECTIONS: Final[tuple[Literal["ccw", "off", "cw"], ...]] = ("ccw", "off", "cw")
-_USERS: Final = frozenset(("g2", "g3", "g73", "g82", "g83", "g89"))
+_KNOWN_USERS: Final = frozenset(("g2", "g3", "g73", "g82", "g83", "g89"))  # codes of theirs that take some letters
 _KNOWN_CYCLES: Final = frozenset((730, 810, 820, 830, 850, 890))
 
 
@@ -188,7 +188,8 @@ def _write_dialect(dialect: Dialect, modes: Column) -> None:
     known = [
         letter
         for letter in _KNOWN_LETTERS
-        if letter == "g" or (letter in dialect.letters and not _USERS.isdisjoint(dialect.users.get(letter, _USERS)))
+        if letter == "g"
+        or (letter in dialect.letters and not _KNOWN_USERS.isdisjoint(dialect.users.get(letter, _KNOWN_USERS)))
     ]
     modes[at.PLAIN_LETTERS] = sum(1 << (ord(letter) - ord("a")) for letter in known)
     modes[at.COMPUTES : at.BY_START + 1] = (

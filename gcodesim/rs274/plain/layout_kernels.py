@@ -125,8 +125,9 @@ COMPUTES: Final = 171  # whether it has parameters, expressions and O-words
 HAS_CYCLES: Final = 172
 ARCS_NAME_AXES: Final = 173
 BY_START: Final = 174  # whether the radius of an arc is that at its start
-TAKES_S: Final = 175  # whether an S beside a move is known: not the first one, and no cutting speed
-S_SAID: Final = 176  # since the kernel was called
+# S beside a move: whether it is known, as all are but the first one and cutting speeds; whether one was executed
+TAKES_S: Final = 175
+S_SAID: Final = 176
 MODES: Final = 177
 
 # rows of moves: floats 0 to 5 the end, 6 the feed, and the S that an act says before it; integers:

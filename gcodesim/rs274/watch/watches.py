@@ -85,7 +85,7 @@ class Watches:
 
     def moves(self, batch: MoveBatch) -> None:
         """A run of plain moves."""
-        if batch.speed is not None:
+        if batch.speed is not None:  # rules about the spindle need to know which moves an S stands between
             self.events(batch.events())
             return
         for rule in self._seeing:
