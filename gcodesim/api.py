@@ -38,8 +38,10 @@ def read(program: Path | str, settings: Settings | None = None) -> ToolPath:
     """
     source = read_program(Path(program))
     reading = interpret(source, settings or Settings(tool_table=assumed_tools(source)))
-    stand = DIALECTS[reading.settings.dialect].rapids_stand
-    path = build_tool_path(reading.stream(), ZERO, rapids_stand=stand)
+    dialect = DIALECTS[reading.settings.dialect]
+    path = build_tool_path(
+        reading.stream(), ZERO, rapids_stand=dialect.rapids_stand, only_changes_stop=dialect.only_changes_stop
+    )
     if any(finding.level >= Severity.ERROR for finding in reading.findings):
         raise InputError(list(reading.findings), reading.sources)
     return path

@@ -71,12 +71,14 @@ class Legs:
         self._job, self._reading = job, job.reading
         self._stream = job.reading.stream()
         settings = job.reading.settings
+        dialect = DIALECTS[settings.dialect]
         self._builder = PathBuilder(
             start,
             fastest=job.shop.fastest,
             centre=float(job.shop.X_BM.inverse().p[0]),
             length_leans=settings.length_leans,
-            rapids_stand=DIALECTS[settings.dialect].rapids_stand,
+            rapids_stand=dialect.rapids_stand,
+            only_changes_stop=dialect.only_changes_stop,
             power_goes_along=job.cell.channels[job.channel].laser_mode is not None,
         )
         self._marks = marks

@@ -76,6 +76,7 @@ def build_tool_path(
     path_control: PathMode | None = None,
     tilts: Mapping[int, Pose] | None = None,
     rapids_stand: bool = False,
+    only_changes_stop: bool = False,
 ) -> ToolPath:
     """The moves of `events` as columns.
 
@@ -83,9 +84,9 @@ def build_tool_path(
     holds until the program's own (default: blend without tolerance). `tilts`
     maps a work system to a pose whose R tilts it about its p: a point q of that
     system becomes p + R (q - p), as on an arm whose G54 is not upright. Moves
-    in machine coordinates (G53, G28, G30) are not tilted. `rapids_stand`: each rapid ends at rest.
+    in machine coordinates (G53, G28, G30) are not tilted. `rapids_stand` and `only_changes_stop` as of a dialect.
     """
-    builder = PathBuilder(start, path_control, tilts, rapids_stand=rapids_stand)
+    builder = PathBuilder(start, path_control, tilts, rapids_stand=rapids_stand, only_changes_stop=only_changes_stop)
     for event in events:
         builder.add(event)
     return builder.leg()
@@ -105,6 +106,7 @@ class PathBuilder:
         length_leans: bool = False,
         rapids_stand: bool = False,
         power_goes_along: bool = False,
+        only_changes_stop: bool = False,
     ) -> None:
         """`fastest` [rad/s] is the greatest speed of a lathe's spindle, where the work turns about the X `centre` [m].
 
@@ -112,8 +114,10 @@ class PathBuilder:
 
         `length_leans`: length offsets are along the axes of a work system that leans, as an arm holds its tool.
         `power_goes_along`: an S beside a move does not stop the machine, as in the laser mode of grbl 1.1.
+        `only_changes_stop`: see `Dialect`.
         """
         self.power_goes_along = power_goes_along
+        self.only_changes_stop = only_changes_stop
         self._asked: Span | None = None  # where an S stands that stops the machine, unless its block makes a move
         self._direction = "off"
         self.fastest = fastest
@@ -174,11 +178,12 @@ class PathBuilder:
             exact = np.zeros(len(batch) + 1, dtype=np.int8)
             for row, what in batch.acts.tolist():
                 event = batch.act(row, what)
+                turn = next(turns) if what == S_WORD else None
                 if isinstance(event, PathMode):
                     exact[row] += 1 if what == EXACT else -1
-                elif self._stands_for(event):
+                elif self._stands_for(event, turn):
                     self.rows.stop_at(first + row - 1)
-                self.events.append(PathEvent(first + row, event, next(turns) if what == S_WORD else None))
+                self.events.append(PathEvent(first + row, event, turn))
             exact = np.cumsum(exact[:-1], dtype=np.int8).astype(bool)
             if exact.any():
                 self._path_mode(batch.path)
@@ -194,9 +199,21 @@ class PathBuilder:
             self.rows.stop_at(*(first + np.flatnonzero(batch.kind == RAPID_MOVE)).tolist())
         self.at = tuple(batch.end[-1].tolist())
 
-    def _stands_for(self, event: Dwell | Spindle) -> bool:
-        """Whether the machine stops for what happens between two moves of a batch."""
-        return event.seconds > 0.0 if isinstance(event, Dwell) else not self.power_goes_along
+    def _stands_for(self, event: Dwell | Spindle, turn: tuple[float, float] | None) -> bool:
+        """Whether the machine stops for what happens between two moves of a batch; `turn` as of its `PathEvent`."""
+        if isinstance(event, Dwell):
+            return event.seconds > 0.0
+        repeats = self.only_changes_stop and turn is not None and turn[0] == turn[1]
+        return not (self.power_goes_along or repeats)
+
+    def _repeats(self, event: Event) -> bool:
+        """Whether a word for spindle or coolant says what holds already, and the control goes on for that."""
+        if not self.only_changes_stop:
+            return False
+        if isinstance(event, Spindle):
+            off = event.direction == "off"
+            return event.direction == self._direction and (off or event.speed == self.spindle_speed)
+        return isinstance(event, Coolant) and (event.flood, event.mist) == (self.current.flood, self.current.mist)
 
     def _states_of(self, words: NDArray[np.int32]) -> int | NDArray[np.int32]:
         """The index of the tool state of each row, or of all, by the numbers of their motion words."""
@@ -316,7 +333,7 @@ class PathBuilder:
         self._set(cutting)
 
     def _other(self, event: Event) -> None:
-        now, turns, goes_along = self.current, None, False
+        now, turns, goes_along, repeats = self.current, None, False, self._repeats(event)
         if isinstance(event, PathMode):
             self._path_mode(event)
         elif isinstance(event, Spindle):
@@ -360,8 +377,8 @@ class PathBuilder:
             return
         elif isinstance(event, Action) and event.target == "tool":
             self.tags = self.tags._replace(active=event.verb == "activate")
-        passed = isinstance(event, _PASSED) or (isinstance(event, Output) and event.with_motion)
-        if goes_along:
+        passed = repeats or isinstance(event, _PASSED) or (isinstance(event, Output) and event.with_motion)
+        if goes_along and not repeats:
             self._asked = event.span
         elif not passed and not (isinstance(event, Dwell) and event.seconds <= 0.0):
             self._stand()

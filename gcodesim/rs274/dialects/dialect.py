@@ -81,7 +81,8 @@ class Dialect:
     with which a control whose machine turns tool or work begins (True) and ends to hold the tip;
     a cell may map them to something else. `turret`: a tool change turns a turret, and the spindle, which carries the
     work, goes on. `rapids_stand`: a rapid move ends at rest, whatever the path control (FANUC, B-63944EN, 4.1: it is
-    decelerated at the end of its block, and the next one begins when it is in position). `look_ahead` is how many
+    decelerated at the end of its block, and the next one begins when it is in position). `only_changes_stop`: words for
+    spindle and coolant stop the machine only where they change something. `look_ahead` is how many
     blocks the control knows behind the one that runs; None: without end, or not known. `corners_count`: arcs that it
     puts into corners are blocks too, and of the last one before a stop it counts on half (LinuxCNC). `h0_cancels`: G43
     H0 puts no length in force.
@@ -122,6 +123,7 @@ class Dialect:
     tip_m_codes: Mapping[int, bool] = field(default_factory=dict)
     turret: bool = False
     rapids_stand: bool = False
+    only_changes_stop: bool = False
     look_ahead: int | None = None
     corners_count: bool = False
     h0_cancels: bool = False

@@ -43,5 +43,6 @@ GRBL = Dialect(
     g53_under_g91=True,
     first_motion=0,
     executor="gcodesim.rs274.grbl:GrblExecutor",
+    only_changes_stop=True,  # steps 4, 7 and 8 of `gc_execute_line` empty the planner only for another S, M3 or M8
     look_ahead=14,  # BLOCK_BUFFER_SIZE is 16 (config.h of 1.1): one place stays free, and one block runs
 )
