@@ -104,7 +104,7 @@ class LooseBodies:
     def _floats(self, shop: Shop, placed: PlacedStock) -> bool:
         """Whether nothing is drawn below a stock, which then stands on something level that nobody has drawn."""
         scene = shop.scene
-        fixtures = {name: skin.moved(scene.at_rest(name)) for name, skin in self._fixtures.items()}
+        fixtures = [skin.moved(scene.at_rest(name)) for name, skin in self._fixtures.items()]
         return is_bare_below(_box_around(placed, scene.at_rest(placed.frame)), fixtures)
 
     def fall(

@@ -39,11 +39,15 @@ SET_DOWN: Final = 0.5e-3
 class PartEnd:
     """What became of a part: `X_W` at the end, its place in `parent`, who holds it, and how often it was what.
 
+    `support` is the body on which it lies, or the next one below it, empty for a floor, or the link with which it goes;
+    `height` [m] is how far it is above that.
     `error` [m] and `turn` [rad] say how far it is from its goal, or, without one, from where it was let go last.
     """
 
     X_W: Pose
     parent: str
+    support: str
+    height: float
     holder: str
     moved: float
     grips: int
@@ -88,7 +92,7 @@ class PartRun:
         self._start = {name: shop.scene.at_rest(name) for name in self.names}
         self._floors = self._levels()
         self._holds: dict[str, tuple[int, Array, ContactHold | None]] = {}
-        self._lay_on_devices()
+        self._lay()
 
     # ---- how parts come to rest
 
@@ -100,21 +104,35 @@ class PartRun:
         lowest = [skin.lowest for skin in (*fixtures.values(), *lying.values())]
         levels = {min([*lowest, *(float(mover.X_WB.p[2]) for mover in scene.movers.values())])}
         goals = {name: skin.moved(goal) for name, skin in self.skins.items() if (goal := self.goal(name)) is not None}
-        for skins in (lying, goals):
+        for skins, beside in ((lying, {}), (goals, goals)):
             for name, skin in skins.items():
-                below = fixtures | {other: own for other, own in lying.items() if other != name}
-                if is_bare_below(skin, below):
+                others = [own for each in (lying, beside) for other, own in each.items() if other != name]
+                if is_bare_below(skin, [*fixtures.values(), *others]):
                     levels.add(skin.lowest)
         return tuple(sorted(levels))
 
-    def _lay_on_devices(self) -> None:
-        """What lies on a device at the start goes with it."""
+    def _lay(self) -> None:
+        """What lies on a device, or on another part, at the start goes with it."""
+        if len(self.names) < 2 and not self.devices.frames:
+            return
         frames = {name: self.shop.scene.at_rest(name).matrix for name in (BODIES, *self._fixtures, *self.names)}
-        for name in self.names if self.devices.frames else ():
-            change, height, support = self.come_to_rest(-1, name, frames[name], np.zeros(3), frames, settle=False)
-            if support in self.devices.frames and height <= SET_DOWN:
+        placed = self._placed(frames)
+        for name in self.names:
+            height, support = self._below(name, placed, -1)
+            if height <= SET_DOWN and support in (*self.devices.frames, *self.names):
+                change = self._stays_on(support, -1, name, frames[name], frames)
                 self.planned.apply(change)
                 self.happens(change)
+
+    def _placed(self, poses: Mapping[str, Array]) -> dict[str, Triangles]:
+        """The skins of fixtures and parts where everything is by `poses` (4, 4), in the world."""
+        return {n: own.moved(Pose.from_matrix(poses[n])) for n, own in {**self._fixtures, **self.skins}.items()}
+
+    def _below(self, name: str, placed: Mapping[str, Triangles], step: int) -> tuple[float, str]:
+        """How far [m] a part is above what lies below it, and the body that this is; the name of a floor is empty."""
+        skin, riders = placed[name], {name, *self.planned.riders(name, step)}
+        others = {n: own for n, own in placed.items() if n not in riders}
+        return gap_below(skin, Ground(others=others, floor=self._floor_below(skin)))
 
     def goal(self, name: str) -> Pose | None:
         """X_W where a part is meant to be in the end."""
@@ -133,23 +151,19 @@ class PartRun:
         X_W: Array,
         velocity: Array,
         poses: Mapping[str, Array],
-        *,
-        settle: bool = True,
     ) -> tuple[PartChange, float, str]:
         """What becomes of a part that nobody holds from a step on; how far [m] it goes down, and the body it ends on.
 
-        `poses` (4, 4) are where everything else is. The name of a body is empty for a floor. Without `settle` it
-        stays where it is.
+        `poses` (4, 4) are where everything else is. The name of a body is empty for a floor.
         """
         skin = self.skins[name].moved(Pose.from_matrix(X_W))
-        others = {n: own.moved(Pose.from_matrix(poses[n])) for n, own in {**self._fixtures, **self.skins}.items()}
         riders = {name, *self.planned.riders(name, step)}
-        others = {n: own for n, own in others.items() if n not in riders}
+        others = {n: own for n, own in self._placed(poses).items() if n not in riders}
         ground = Ground(others=others, floor=self._floor_below(skin))
         height, support = gap_below(skin, ground)
-        if height <= SET_DOWN or not settle:
+        if height <= SET_DOWN:
             end = X_W.copy()
-            end[2, 3] -= height if settle else 0.0
+            end[2, 3] -= height
             track = None
         else:
             drop = Drop(self.skins[name], self.masses[name], X_W, velocity, height)
@@ -158,6 +172,10 @@ class PartRun:
             if self.world_name != "kinematic":
                 landed = self.skins[name].moved(Pose.from_matrix(end))
                 support = gap_below(landed, replace(ground, floor=self._floor_below(landed)))[1]
+        return replace(self._stays_on(support, step, name, end, poses), fall=track), height, support
+
+    def _stays_on(self, support: str, step: int, name: str, end: Array, poses: Mapping[str, Array]) -> PartChange:
+        """A part that comes to rest at `end` (4, 4) in the world, on a body; everything else is at `poses`."""
         parent = support or BODIES
         X_WS = self.devices.frames[parent](step, 1)[0] if parent in self.devices.frames else poses[parent]
         X = Pose.from_matrix(multiplied(inverse_pose(X_WS[None])[0], end))
@@ -166,7 +184,7 @@ class PartRun:
             X_DP = multiplied(inverse_pose(poses[parent][None])[0], end)
             front = float(self.skins[name].moved(Pose.from_matrix(X_DP)).points[:, 0].max())
             room = max(float(self._fixtures[parent].points[:, 0].max()) - front, 0.0)
-        return PartChange(hold=Hold(step=step, body=name, parent=parent, X=X), fall=track, room=room), height, support
+        return PartChange(hold=Hold(step=step, body=name, parent=parent, X=X), room=room)
 
     def _floor_below(self, skin: Triangles) -> float:
         return max((level for level in self._floors if level <= skin.lowest + SUNK), default=self._floors[0])
@@ -266,9 +284,14 @@ class PartRun:
         found: dict[str, Going] = {name: partial(of_part, name) for name in self.names}
         return found | {name: partial(of_device, name) for name in self.devices.frames}
 
+    def _is_borne(self, parent: str) -> bool:
+        """Whether what stands in this frame goes with it: with what it lies on, or with a link."""
+        return parent in self._fixtures or parent in self.skins or (parent != BODIES and self.shop.scene.moves(parent))
+
     def ends(self, step: int, q: Mapping[str, Array]) -> dict[str, PartEnd]:
         """What became of each part, with joints `q[mover]` (1, j) at the end."""
         found = {}
+        placed = self._placed(self.frames_at(step, q))
         for name in self.names:
             X = Pose.from_matrix(self.ran.poses(name, step, q)[0])
             goal, count = self.goal(name), self._counts[name]
@@ -276,9 +299,13 @@ class PartRun:
             holder = self.ran.holder(name, step)
             if goal is None and holder:
                 meant = None
+            parent = self.ran.parent(name, step)
+            height, support = (0.0, parent) if self._is_borne(parent) else self._below(name, placed, step)
             found[name] = PartEnd(
                 X_W=X,
-                parent=self.ran.parent(name, step),
+                parent=parent,
+                support=support,
+                height=height,
                 holder=holder,
                 moved=norm(X.p - self._start[name].p),
                 grips=count.grips,

@@ -5,9 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
+from gcodesim.executor.part_run import SET_DOWN
 from gcodesim.jobs.coating import summary_of
 from gcodesim.jobs.results import Results
 from gcodesim.jobs.target_result import TargetResult
+from gcodesim.units import MM
 
 _MOST_FEATURES: Final = 8
 _MOST_WORDS: Final = 5
@@ -127,13 +129,24 @@ def _part_rows(name: str, part: Mapping[str, Any]) -> list[list[str]]:
     if not part["grips"] and part["error_from"] != "goal":
         return []
     at = " ".join(f"{axis.upper()}{part[f'{axis}_mm']:.3f}" for axis in "xyz")
-    where = f"held by {part['held_by']}" if part["held_by"] else f"on {part['on']}" if part["on"] else "on the floor"
     lost = f", fell {_times(part['falls'])}" if part["falls"] else ""
-    rows = [[f"{name}: is at", at, f"{where}, taken {_times(part['grips'])}{lost}"]]
+    rows = [[f"{name}: is at", at, f"{_place_of(part)}, {_taken(part['grips'])}{lost}"]]
     if part["pose_error_mm"] is not None:
         remark = f"{part['pose_error_deg']:.3f}°, from its {part['error_from']}"
         rows.append([f"{name}: pose error", f"{part['pose_error_mm']:.3f} mm", remark])
     return rows
+
+
+def _place_of(part: Mapping[str, Any]) -> str:
+    """Who holds a part, or what it lies on or hangs above."""
+    if part["held_by"]:
+        return f"held by {part['held_by']}"
+    below = part["on"] or "the floor"
+    return f"on {below}" if part["above_mm"] <= SET_DOWN / MM else f"{part['above_mm']:.1f} mm above {below}"
+
+
+def _taken(count: int) -> str:
+    return f"taken {_times(count)}" if count else "never taken"
 
 
 def _times(count: int) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Final
 
 import numpy as np
@@ -21,6 +21,9 @@ LEVEL: Final = 1e-9
 SUNK: Final = 2e-3
 """[m] by which a support may reach into a body and still be below it."""
 
+_NOWHERE: Final = -1e9
+"""[m], lower than anything is."""
+
 
 @frozen(eq=False)
 class Ground:
@@ -30,9 +33,10 @@ class Ground:
     floor: float
 
 
-def is_bare_below(body: Triangles, others: Mapping[str, Triangles]) -> bool:
-    """Whether none of `others` is below a body."""
-    return gap_below(body, Ground(others=others, floor=-1e9))[0] > SUNK
+def is_bare_below(body: Triangles, others: Iterable[Triangles]) -> bool:
+    """Whether none of `others` is below a body, however far."""
+    numbered = {str(number): other for number, other in enumerate(others)}
+    return not gap_below(body, Ground(others=numbered, floor=_NOWHERE))[1]
 
 
 def gap_below(body: Triangles, ground: Ground) -> tuple[float, str]:

@@ -165,6 +165,47 @@ def test_a_part_lies_on_another_one() -> None:
     assert block(ran)["on"] == "plinth" and block(ran)["z_mm"] == pytest.approx(-470.0, abs=1e-6)
 
 
+STACK = """, goal: {{in: table, xyz: [200, 0, 0]}}}}
+  cap: {{box: [30, 30, 20], zero: bottom-center, mass: 0.5 kg, in: table, xyz: [0, 0, 60],
+    goal: {{in: table, xyz: [200, 0, 60]}}"""
+
+
+@pytest.mark.parametrize("world", WORLDS)
+def test_what_lies_on_a_part_at_the_start_goes_with_it(world: str, tmp_path: Path) -> None:
+    """A cap of 0.5 kg on a block of 2 kg: the fingers bear both, and both come to their goals."""
+    ran = go(fingers(60), tmp_path, world=world, grip=30, more=STACK.format())
+
+    parts = ran.results.as_json()["parts"]
+    assert {name: part["pose_error_mm"] for name, part in parts.items()} == pytest.approx(
+        {"block": 0.0, "cap": 0.0}, abs=1e-4
+    )
+    assert (parts["cap"]["on"], parts["cap"]["above_mm"]) == ("block", 0.0)
+    (gripper,) = ran.results.as_json()["tools"]
+    assert gripper["max_grip_needed_N"] == pytest.approx(2.5 * (G + 5.0) / (2 * 0.5), rel=1e-6)
+
+
+BENCH = "fixtures: {bench: {box: [900, 500, 20], zero: top-center, in: table}}\n"
+
+
+@pytest.mark.parametrize(("z", "above"), [(0.0, 0.0), (0.3, 0.3), (30.0, 30.0)])
+def test_how_far_a_part_hangs_above_what_is_drawn_below_it(z: float, above: float) -> None:
+    """Nothing is said to lie on a floor while a bench is drawn below it."""
+    cell = CELL.format(tool=fingers(40), z=z, friction=0.5, more="") + BENCH
+    part = run_texts("G21\nG0 Z100\nM2\n", cell).results.as_json()["parts"]["block"]
+
+    assert part["on"] == "bench" and part["above_mm"] == pytest.approx(above, abs=1e-6)
+
+
+def test_a_goal_in_the_air_is_no_floor() -> None:
+    """The goal is 30 mm above the bench, where the part is let go: it falls onto the bench."""
+    cell = CELL.format(tool=fingers(40), z=0, friction=0.5, more=", goal: {in: table, xyz: [200, 0, 30]}") + BENCH
+    ran = run_texts(CARRY.format(grip=40, put=70), cell)
+
+    assert ran.misuse == [("GS564", 11)]
+    assert ran.bad[0].value == pytest.approx(30.0, abs=1e-6)
+    assert block(ran)["on"] == "bench" and block(ran)["pose_error_mm"] == pytest.approx(30.0, abs=1e-6)
+
+
 def test_the_end_with_a_part_in_hand_is_a_note() -> None:
     ran = go(fingers(40), program=CARRY.replace("M63 P1\n", ""))
 
