@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from gcodesim.arithmetic.distinct import distinct
 from gcodesim.executor.part_run import PartRun
 from gcodesim.executor.stint import Stint, deflection_of
 from gcodesim.executor.stint_maker import StepSpan, StintMaker
@@ -18,11 +19,13 @@ from gcodesim.executor.tasks import Only, RowColumns, Task, Tasks
 from gcodesim.executor.window import StepWindow
 from gcodesim.frames import Array
 from gcodesim.kinematics import shift_jacobian
+from gcodesim.processes import PROCESSES
 from gcodesim.shop import Shop
 
 if TYPE_CHECKING:
     from gcodesim.checks.stock_watch import Sighting, StockWatch
     from gcodesim.planning import Plan
+    from gcodesim.processes.protocol import Process
     from gcodesim.processes.swing_kernels import Swings
 
 
@@ -48,6 +51,7 @@ class Coupling:
         self._tasks = Tasks(shop, parts, only)
         self.follow(plan, rows)
         self._gears_move = gears_move
+        self._leads: dict[int, list[Process]] = {}  # by tool
         self._bent: Array | None = None  # how far (1, 3) [m] in B loads have put the tip at the end of the last steps
 
     def follow(self, plan: Plan, rows: RowColumns) -> None:
@@ -64,12 +68,38 @@ class Coupling:
 
         return restore
 
-    def stretch(self, steps: StepWindow, begin: int, end: int, *, cuts: bool = True) -> Stretch:
-        """Prepare steps `begin` to `end` of a window, all with the same tool; it `cuts`, or is kept from cutting."""
+    def pulled(self, steps: StepWindow) -> NDArray[np.bool_]:
+        """In which steps (n,) of a window a process that leads pulls at the tool."""
+        pulled = np.zeros(len(steps), dtype=bool)
+        for number in distinct(steps.tool).tolist():
+            for process in self._leading(number):
+                pulled |= (steps.tool == number) & ~process.idles(
+                    self._maker.signals(process.reads, steps, slice(None)), len(steps)
+                )
+        return pulled
+
+    def _leading(self, number: int) -> list[Process]:
+        """The processes of a tool that lead."""
+        tool = self._shop.tool(number)
+        if number not in self._leads:
+            kinds = () if tool is None else tool.acts_by
+            self._leads[number] = [PROCESSES[kind].of(tool, None) for kind in kinds if PROCESSES[kind].leads]
+        return self._leads[number]
+
+    def stretch(self, steps: StepWindow, begin: int, end: int, *, cuts: bool = True, pulled: bool = True) -> Stretch:
+        """Prepare steps `begin` to `end` of a window, all with the same tool; it `cuts`, or is kept from cutting.
+
+        `pulled`: see `Coupling.pulled`, which says the same of all of them.
+        """
         number = int(steps.tool[begin])
         tasks = self._tasks.of(number) if cuts else self._tasks.kept(number)
+        if not pulled:
+            tasks = [task for task in tasks if not task.process.leads]
         stints = self._stints(tasks, steps, begin, end)
-        self._bend(steps, begin, end, stints)
+        if self._leading(number):
+            self._bend(end - begin, stints)
+        else:
+            self._bent = None
         return self._made(tasks, steps, begin, end, stints)
 
     def _made(self, tasks: Sequence[Task], steps: StepWindow, begin: int, end: int, stints: list[Stint]) -> Stretch:
@@ -88,16 +118,13 @@ class Coupling:
         """Steps of a stretch that has not been run, in which no process leads and no part is carried."""
         return self._made(tasks, steps, begin, end, self._stints(tasks, steps, begin, end))
 
-    def _bend(self, steps: StepWindow, begin: int, end: int, stints: list[Stint]) -> None:
-        """Let the other processes act where those that lead put the tip."""
-        leading = [stint for stint in stints if stint.task.process.leads]
-        if not leading:
-            self._bent = None
-            return
-        bent: Array = np.zeros((end - begin, 3))
-        for stint in leading:
-            stint.run()
-            bent += deflection_of(stint)[:, :3]
+    def _bend(self, count: int, stints: list[Stint]) -> None:
+        """Let the other processes act, in `count` steps, where those that lead put the tip."""
+        bent: Array = np.zeros((count, 3))
+        for stint in stints:
+            if stint.task.process.leads:
+                stint.run()
+                bent += deflection_of(stint)[:, :3]
         before = bent[:1] if self._bent is None else self._bent
         self._bent = bent[-1:]
         both = np.concatenate([before, bent])

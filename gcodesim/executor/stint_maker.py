@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import cache
 from typing import Any, Final
 
@@ -207,8 +207,7 @@ class StintMaker:
         dt, row = steps.dt[here], steps.row[here]
         middle = steps.samples.time[here] - 0.5 * dt
         pose = pose_before = parts = None
-        rests = steps.rests[here]
-        signals = {signal.name: self._signal(signal, row, middle, rests) for signal in task.process.reads}
+        signals = self.signals(task.process.reads, steps, here)
         if isinstance(task.target, PartsTarget):
             X_WB, joints = self.shop.X_WB.matrix, steps.joints(self.shop.name, span.begin, span.end)
             pose, pose_before = multiplied(X_WB, steps.tip[here]), multiplied(X_WB, steps.tip_before[span.begin])
@@ -244,6 +243,12 @@ class StintMaker:
             row=chords.row,
             parts=parts,
         )
+
+    def signals(self, reads: Sequence[Signal], steps: StepWindow, here: slice) -> dict[str, Array]:
+        """What a process reads in some steps of a window."""
+        row, rests = steps.row[here], steps.rests[here]
+        middle = steps.samples.time[here] - 0.5 * steps.dt[here]
+        return {signal.name: self._signal(signal, row, middle, rests) for signal in reads}
 
     def _signal(self, signal: Signal, row: Ints, middle: Array, rests: Flags) -> Array:
         """A signal (n,) in steps of rows `row` (n,) with their `middle` (n,) [s].

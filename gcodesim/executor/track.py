@@ -35,7 +35,7 @@ from gcodesim.processes.gripping import GRIP, GripEvent
 from gcodesim.scene import PartChange, Stay
 from gcodesim.shop import Shop
 from gcodesim.solids.mass import MassOfSkin
-from gcodesim.world import RobotBody, WorldSteps, open_world, tool_body, usual_controller
+from gcodesim.world import RobotBody, World, WorldSteps, open_world, tool_body, usual_controller
 
 if TYPE_CHECKING:
     from gcodesim.checks.stock_watch import StockWatch
@@ -127,7 +127,7 @@ class TrackPlan:
     """What a channel brings to a run: its plan, its shop, who looks at its steps, and what it is about, if not all.
 
     `bodies` looks at how near its machine comes to stocks. `efforts`: whether anybody wants to know speeds and efforts
-    of joints.
+    of joints. `led` puts around the world of the run what leads that on.
     """
 
     plan: Plan
@@ -137,6 +137,7 @@ class TrackPlan:
     only: Only | None = None
     bodies: StockWatch | None = None
     efforts: bool = True
+    led: Callable[[World], World] | None = None
 
 
 class Track:
@@ -167,7 +168,8 @@ class Track:
         self._totals = RowTotals.zeros(len(self.rows.tool), self._sheet)
         self._standing: dict[str, float] = {}
         self._home = plan.joints(plan.trajectory.sample(np.zeros(1)))[0]
-        self.world = open_world(world_name, robot_body(shop, world_name), dt_ns, efforts=brought.efforts)
+        world = open_world(world_name, robot_body(shop, world_name), dt_ns, efforts=brought.efforts)
+        self.world = world if brought.led is None else brought.led(world)
         self._joints = JointTotals.start(self._home, told=self.world.tells_efforts)
         gears_move = not self.world.keeps_to_command
         self._coupling = Coupling(plan, shop, self.rows, parts, gears_move=gears_move, only=brought.only)
@@ -228,17 +230,22 @@ class Track:
         return self.world.run(command.q[rows], felt).at(command.at[moments] - rows.start)
 
     def cut(self, window: StepWindow, *, looks: bool) -> WindowCut:
-        """A window, divided where the tool changes or begins or ceases to be kept from cutting; nothing is cut yet.
+        """A window, divided where the tool changes, begins or ceases to be kept from cutting, or to be pulled at.
 
+        Nothing is cut yet.
         A program that has ended cuts nothing more while others go on.
         """
         kept = self._guard.kept(self.plan.path, self.rows, window)
         if window.end > self.steps:
             kept = kept | (window.ticks[:-1] >= self.steps)
-        changes = (np.diff(window.tool) != 0) | np.diff(kept)
+        pulled = self._coupling.pulled(window)
+        changes = (np.diff(window.tool) != 0) | np.diff(kept) | np.diff(pulled)
         bounds = (np.flatnonzero(changes) + 1).tolist()
         borders = zip([0, *bounds], [*bounds, len(window)], strict=True)
-        stretches = [self._coupling.stretch(window, begin, end, cuts=not kept[begin]) for begin, end in borders]
+        stretches = [
+            self._coupling.stretch(window, begin, end, cuts=not kept[begin], pulled=bool(pulled[begin]))
+            for begin, end in borders
+        ]
         for stretch in stretches:
             stretch.watch = self._bodies
         return WindowCut(window=window, stretches=stretches, looks=looks)

@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from gcodesim.planning import Plan
     from gcodesim.planning.bearers import Bearers
     from gcodesim.planning.borne_work import BorneWork
+    from gcodesim.world import World
 
 KINEMATIC: Final = "kinematic"
 BULLET: Final = "bullet"
@@ -92,8 +93,8 @@ class Job:
     Several programs at once are a job each: `others` are those of further channels, in the order of their names, and
     `meetings` tells when they wait for each other; only the first job has them. `held` is the mark at which a program
     waits for ever; it is the last that is read of it. `alone`: no other program runs. `seen` gets each window of the
-    run as soon as it has been moved through. `borne` is where the work is that programs of other channels move, as
-    the plan has it, and `bearers` where it is at any time.
+    run as soon as it has been moved through, and `led` puts around its world what leads that on. `borne` is where the
+    work is that programs of other channels move, as the plan has it, and `bearers` where it is at any time.
     """
 
     program: SourceText
@@ -106,6 +107,7 @@ class Job:
     held: Span | None = None
     alone: bool = True
     seen: Callable[[StepRecord], None] | None = None
+    led: Callable[[World], World] | None = None
     sensed: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)  # what sensors have read, for the results
     drawings: tuple[DrawnLine, ...] | None = None  # what a script has drawn so far; None where none draws
     shop: Shop | None = None

@@ -6,8 +6,9 @@ The machine yields to it as to the force of any process: the other processes of 
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from math import nan
-from typing import TYPE_CHECKING, ClassVar, Final
+from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -56,7 +57,13 @@ class Loading(Process):
         return cls(load=tool.load)
 
     def rests(self, window: Window) -> bool:
-        return not (self._constant(window).any() or self._besides(window).any())
+        return bool(self.idles(window.signals, window.steps).all())
+
+    def idles(self, signals: Mapping[str, NDArray[Any]], steps: int) -> NDArray[np.bool_]:
+        """In which steps (n,) nothing pulls at the tip."""
+        pulls = np.concatenate([self._constant(signals), self._besides(signals)], axis=1)
+        idle: NDArray[np.bool_] = ~np.any(pulls, axis=1)
+        return idle
 
     def run(self, target: None, window: Window, state: ProcessState) -> ProcessStep:
         """The load in axes of S; the tip yields to it by the compliance."""
@@ -69,23 +76,23 @@ class Loading(Process):
     def loop(self, target: None, window: Window, state: ProcessState) -> GivenLoad:
         return GivenLoad(step_of=self.run(target, window, state))
 
-    def _constant(self, window: Window) -> Array:
+    def _constant(self, signals: Mapping[str, NDArray[Any]]) -> Array:
         """(n, 6) in axes of the load's frame."""
-        wrench: Array = np.asarray(window.signals[LOAD.name], dtype=float)[:, None] * np.array(
+        wrench: Array = np.asarray(signals[LOAD.name], dtype=float)[:, None] * np.array(
             [*self.load.force, *self.load.torque]
         )
         return wrench
 
-    def _besides(self, window: Window) -> Array:
-        return np.stack([np.asarray(window.signals[signal.name], dtype=float) for signal in PUSHES], axis=1)
+    def _besides(self, signals: Mapping[str, NDArray[Any]]) -> Array:
+        return np.stack([np.asarray(signals[signal.name], dtype=float) for signal in PUSHES], axis=1)
 
     def _wrench(self, window: Window) -> Array:
         """(n, 6) in S."""
         usual = 1.0 if self.load.frame == "tool" else 0.0
         told = np.asarray(window.signals[LOAD_IN_TOOL.name], dtype=float)
         own = np.full(window.steps, usual)
-        return _turned(self._constant(window), own, window) + _turned(
-            self._besides(window), np.where(np.isnan(told), usual, told), window
+        return _turned(self._constant(window.signals), own, window) + _turned(
+            self._besides(window.signals), np.where(np.isnan(told), usual, told), window
         )
 
 

@@ -176,6 +176,10 @@ class Process:
         """Whether it exerts no force in a window, as can be told beforehand; then no world has to ask for it."""
         return not self.pushes
 
+    def idles(self, signals: Mapping[str, NDArray[Any]], steps: int) -> NDArray[np.bool_]:
+        """In which steps (n,) it exerts no force, of a process that `leads`, by the signals (n,) that it reads."""
+        return np.full(steps, not self.pushes)
+
     @property
     def by_path(self) -> bool:
         """Whether it says the same however its path is cut into steps that are shorter than what it acts on is fine.

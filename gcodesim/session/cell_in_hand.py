@@ -292,6 +292,9 @@ class OpenCell:
     def _end(self, *, interrupted: bool) -> None:
         if self._closed:
             return
+        if self._run.has_failed:  # which was told
+            self._closed = True
+            return
         try:
             if interrupted:
                 self._leave_undone()
@@ -354,7 +357,7 @@ class OpenCell:
         return Present(shop=own.shop, records=records)
 
     def _check_open(self) -> None:
-        if self._closed:
+        if self._closed or self._run.has_failed:
             raise MisuseError("this cell is closed; open it again")
 
     def _pass(self, count: int) -> None:
@@ -392,16 +395,19 @@ class OpenCell:
             self._flush()
 
     def _flush(self) -> None:
-        """Run all steps that wait."""
-        if self._waiting_steps:
-            self._advance(self._waiting_legs())
+        """Run all steps that wait; those that are foreseen are legs by themselves."""
+        while self._waiting_steps:
+            count = min((machine.foreseen for machine in self._machines if machine.foreseen), default=None)
+            self._advance(self._waiting_legs(count), count)
 
-    def _waiting_legs(self) -> dict[MovedMachine, Plan]:
-        """The plans of those who have steps that wait."""
-        return {machine: leg for machine in self._machines if (leg := machine.leg()) is not None}
+    def _waiting_legs(self, count: int | None = None) -> dict[MovedMachine, Plan]:
+        """The plans of those who have steps that wait, in the first `count` stretches or all."""
+        return {machine: leg for machine in self._machines if (leg := machine.leg(count)) is not None}
 
-    def _advance(self, legs: Mapping[MovedMachine, Plan]) -> None:
+    def _advance(self, legs: Mapping[MovedMachine, Plan], count: int | None = None) -> None:
         """Run a leg of each machine: those that wait, or one made otherwise. All last as long as the longest.
+
+        Those that wait are of the first `count` stretches, or of all.
 
         Who has steps that wait goes on towards its target, others stand at the end of theirs.
         """
@@ -414,9 +420,10 @@ class OpenCell:
                 longer = machine.leg()
                 assert longer is not None
                 leg = longer
-            machine.forget_waiting()
+            machine.forget_waiting(count)
             whole.append(self._filled(leg, steps))
-        self._waiting_steps = self._told_steps = 0
+        gone = self._waiting_steps if count is None else steps
+        self._waiting_steps, self._told_steps = self._waiting_steps - gone, max(self._told_steps - gone, 0)
         begin = self._done_steps * self._step_ns * 1e-9
         kept = [machine.check_later(leg, begin) for machine, leg in zip(self._machines, whole, strict=True)]
         if max(kept) >= _MOST_UNCHECKED:

@@ -1,7 +1,7 @@
-"""What steps that wait come to, where that follows from the command alone: nothing has to be run to know it.
+"""What steps that wait come to, where nothing but the command and the machine decides about it.
 
-A script that closes a loop asks after each step. A leg of a run for each of them costs milliseconds; here a world of
-the machine's own goes through the same joints, and the steps are run later, many at once.
+A script that closes a loop asks after each step. A leg of a run for each of them costs milliseconds; so the world of
+the run is led on through the same joints at once, and the run comes to these steps later, many in one leg.
 """
 
 from __future__ import annotations
@@ -11,72 +11,72 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from gcodesim.executor.track import robot_body
+from gcodesim.arithmetic.matrices import inverse_pose, multiplied
+from gcodesim.executor.stint import is_near
+from gcodesim.executor.tasks import Task, Tasks
+from gcodesim.frames import Array
 from gcodesim.processes import PROCESSES
-from gcodesim.world import WorldSteps, tool_body
-from gcodesim.world.kinematic import KinematicWorld
 
 if TYPE_CHECKING:
     from gcodesim.session.table_plan import Stretched
     from gcodesim.shop import Shop
+    from gcodesim.world import WorldSteps
+    from gcodesim.world.led import LedWorld
 
 
 class ForeseenSteps:
-    """A world of one machine beside that of the run, which keeps to its command and feels nothing but the tool."""
+    """Leads the world of one machine through steps that wait. `shop` is that of the run, with its stocks.
 
-    def __init__(self, shop: Shop, step_ns: int) -> None:
-        self._shop = shop
-        self._world = KinematicWorld(robot_body(shop, "kinematic"), step_ns)
-        self._felt: dict[int, bool] = {}
-        self._told = 0
+    `count` are those of the stretches that wait through which it was led.
+    """
+
+    def __init__(self, world: LedWorld, shop: Shop) -> None:
+        self._world, self._shop = world, shop
+        self._tasks = Tasks(shop)
+        self.count = 0
         self._last: WorldSteps | None = None
 
-    @staticmethod
-    def of(shop: Shop, world_name: str, step_ns: int) -> ForeseenSteps | None:
-        """None where motors may not keep to their command."""
-        exact = world_name == "kinematic" and robot_body(shop, world_name).controller.law == "ideal"
-        return ForeseenSteps(shop, step_ns) if exact else None
+    def last(self, waiting: Sequence[Stretched], *, holds: bool) -> WorldSteps | None:
+        """The last of the steps that wait; None where a tool may feel what it acts on, or is told something.
 
-    def forget(self) -> None:
-        """The steps that waited are run: others will begin where they ended."""
-        self._told, self._last = 0, None
-
-    def last(self, waiting: Sequence[Stretched], ran: WorldSteps | None) -> WorldSteps | None:
-        """The last of the steps that wait, behind those that `ran`; None where a tool may feel what it acts on.
-
-        Each call goes on from the one before.
+        `holds`: its gripper has a part. Each call goes on from the one before.
         """
-        fresh = waiting[self._told :]
-        if any(stretch.events or self._may_feel(stretch) for stretch in fresh):
-            return None
-        if fresh:
-            if not self._told:
-                self._begin(waiting[0], ran)
-            self._last = self._world.run(np.concatenate([stretch.q[1:] for stretch in fresh]))
-            self._told = len(waiting)
-        return self._last
+        for stretch in waiting[self.count :]:
+            if stretch.events or self._may_feel(stretch, holds=holds):
+                return None
+            self._last = self._world.lead(np.ascontiguousarray(stretch.q[1:]))
+            self.count += 1
+        return self._last if self.count else None
 
-    def _begin(self, first: Stretched, ran: WorldSteps | None) -> None:
-        tool = self._shop.tool(first.state.tool)
-        self._world.attach(None if tool is None else tool_body(tool), None)
-        if ran is None:
-            self._world.reset(first.q[0])
-        else:
-            self._world.go_on(ran.q[-1], ran.qd[-1])
+    def forget(self, count: int) -> None:
+        """The run has come to the first `count` stretches, or they will not be run."""
+        self.count = max(self.count - count, 0)
 
-    def _may_feel(self, stretch: Stretched) -> bool:
-        """Whether something may push at the tool, or it may hold what weighs."""
+    def _may_feel(self, stretch: Stretched, *, holds: bool) -> bool:
+        """Whether something may push at the tool, or it has a part that it may lose."""
         number = stretch.state.tool
-        if number not in self._felt:
-            self._felt[number] = self._may_act(number)
-        return bool(stretch.state.push) or self._felt[number]
-
-    def _may_act(self, number: int) -> bool:
-        shop = self._shop
-        tool = shop.tool(number)
+        tool = self._shop.tool(number)
         if tool is None:
             return False
-        kinds = [PROCESSES[kind] for kind in tool.processes]
         pulled = tool.load is not None and any((*tool.load.force, *tool.load.torque))
-        pushed = bool(shop.cell.stocks) and any(kind.pushes for kind in kinds)
-        return pulled or pushed or (shop.moves_parts and any(kind.acts_on == "parts" for kind in kinds))
+        if holds or pulled or stretch.state.push:
+            return True
+        kinds = [PROCESSES[kind] for kind in tool.processes if not PROCESSES[kind].leads]
+        if not any(kind.pushes for kind in kinds):
+            return False
+        if any(kind.acts_on == "parts" for kind in kinds):
+            return True
+        pushing = [task for task in self._tasks.of(number) if task.process.pushes and not task.process.leads]
+        if len(pushing) > 1 and not self._world.keeps_to_command:
+            return True  # several at one tool are asked step by step where gears swing, wherever they are
+        return any(self._is_near(task, stretch) for task in pushing)
+
+    def _is_near(self, task: Task, stretch: Stretched) -> bool:
+        """Whether a process may act on its target in these steps."""
+        shop, frame = self._shop, task.target.frame
+        if shop.scene.moves(frame):
+            return True
+        tool = task.tool
+        X_BS = shop.scene.seen_from(shop.name, frame, {shop.name: stretch.q[:1]})
+        tips: Array = multiplied(inverse_pose(X_BS), shop.kinematics.forward(stretch.q), tool.X_FT.matrix)
+        return is_near(task, tips[:-1, :3, 3], tips[1:, :3, 3], -tips[:, :3, 2], task.target.room)

@@ -25,6 +25,7 @@ from gcodesim.session.run_thread import SessionLegs
 from gcodesim.session.servo_kernels import JointBounds, approach
 from gcodesim.session.switches import Switches
 from gcodesim.session.table_plan import LegForm, Stretched, merged, plan_of
+from gcodesim.world.led import LedWorld
 
 if TYPE_CHECKING:
     from gcodesim.diagnostics import Diagnostic
@@ -34,7 +35,7 @@ if TYPE_CHECKING:
     from gcodesim.planning.borne_work import BorneWork
     from gcodesim.session.path_frame import PathFrame
     from gcodesim.shop import Shop
-    from gcodesim.world import WorldSteps
+    from gcodesim.world import World, WorldSteps
 
 _AT_ONCE: Final = 1e-9  # [s] within which what is there at the beginning of a way is met
 _ROUNDED_OFF: Final = 1e-4  # [rad, m] that a smooth way between vectors at a limit may swing beyond it
@@ -69,13 +70,24 @@ class MovedMachine:
         self._bounds = _bounds(self.shop)
         self._posing = posing_of(self.shop)
         self._form: LegForm | None = None
+        self._world: LedWorld | None = None  # of the run, which begins with the first steps
         self._foreseen: ForeseenSteps | None = None
+        self._held: set[str] = set()  # parts that its gripper has
         assert isinstance(job.legs, SessionLegs)
         self._checks = job.legs.checks
-        job.seen = self._see
+        job.seen, job.led = self._see, self._lead
 
     def _see(self, record: StepRecord) -> None:
         self.record = record
+        for _, event in record.grips:
+            if event.kind == "taken":
+                self._held.add(event.part)
+            elif event.kind in ("lost", "released"):
+                self._held.discard(event.part)
+
+    def _lead(self, world: World) -> World:
+        self._world = LedWorld(world)
+        return self._world
 
     @property
     def shop(self) -> Shop:
@@ -103,8 +115,15 @@ class MovedMachine:
         ran = None if self.record is None else self.record.world
         if not self._waiting:
             return ran
-        self._foreseen = self._foreseen or ForeseenSteps.of(self.shop, self.job.world, self._step_ns)
-        return None if self._foreseen is None else self._foreseen.last(self._waiting, ran)
+        if self._world is None:
+            return None
+        self._foreseen = self._foreseen or ForeseenSteps(self._world, self.shop)
+        return self._foreseen.last(self._waiting, holds=bool(self._held))
+
+    @property
+    def foreseen(self) -> int:
+        """How many of the stretches that wait are foreseen."""
+        return 0 if self._foreseen is None else self._foreseen.count
 
     @property
     def rests(self) -> bool:
@@ -175,9 +194,9 @@ class MovedMachine:
         self.is_told = self.is_told or bool(events)
         self._waiting.append(Stretched(q=table, state=self.state, span=caller.line(), active=on, events=events))
 
-    def leg(self) -> Plan | None:
-        """The plan of all steps that wait; None if there are none."""
-        stretches = merged(self._waiting)
+    def leg(self, count: int | None = None) -> Plan | None:
+        """The plan of the first `count` stretches that wait, or of all; None if there are none."""
+        stretches = merged(self._waiting[:count])
         if not stretches:
             return None
         return self._plan_of(stretches)
@@ -267,11 +286,13 @@ class MovedMachine:
         """Forget the steps that wait and of which nobody was told."""
         del self._waiting[self._known :]
 
-    def forget_waiting(self) -> None:
-        """The steps that waited are about to be run."""
-        self._waiting, self._known, self.is_told = [], 0, False
+    def forget_waiting(self, count: int | None = None) -> None:
+        """The steps of the first `count` stretches that waited, or of all, are about to be run."""
+        gone = len(self._waiting) if count is None else count
+        self._waiting, self._known = self._waiting[gone:], max(self._known - gone, 0)
+        self.is_told = self.is_told and bool(self._waiting)
         if self._foreseen is not None:
-            self._foreseen.forget()
+            self._foreseen.forget(gone)
 
 
 def _bounds(shop: Shop) -> JointBounds:

@@ -76,6 +76,11 @@ class RunThread(SessionLegs):
 
     # ---- for the session
 
+    @property
+    def has_failed(self) -> bool:
+        """Whether the run ended by a fault, which was raised: it goes no further."""
+        return self._fault is not None
+
     def advance(self, legs: Sequence[Plan]) -> None:
         """Run a leg of each machine, all equally long; returns when they are done. Raises what the run raises."""
         for job, leg in zip(self._job.all, legs, strict=True):

@@ -50,6 +50,7 @@ class ChannelRun:
             only=self.job.options.only,
             bodies=self.bodies,
             efforts=self._asks_for_efforts(),
+            led=self.job.led,
         )
 
     def _asks_for_efforts(self) -> bool:

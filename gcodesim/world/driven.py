@@ -192,7 +192,7 @@ class DrivenWorld(WorldBase):
         if at_once:
             done = self._swing(commands, couple, process)
             if isinstance(done, WorldSteps):
-                self._reach *= 2
+                self._reach = min(2 * self._reach, LONGEST)
                 return done
             self._reach = SPELL
             if 0 < done < same and (process is None or process.divisible):
