@@ -99,7 +99,7 @@ def _hits(
         if number not in tools:
             continue
         mine = np.flatnonzero(tool_of_chord == number)
-        tips, out = way.tips(tools[number])
+        tips, out = tips_of(tools[number], way.flange)
         axis = -(out[:-1] + out[1:])[mine]
         axis /= norms(axis)[:, None]
         parts = ToolParts.of(tools[number]).against(standing.role)
@@ -124,13 +124,14 @@ class _Way:
     flange: Array
     row: NDArray[np.int64]
 
-    def tips(self, tool: Tool) -> tuple[Array, Array]:
-        """Where the tip of a tool is (n + 1, 3), and where the tool points (n + 1, 3)."""
-        nose, out = self.flange[:, :3, 3], self.flange[:, :3, 2]
-        if tool.X_FN is None:
-            return nose + tool.true_length * out, out
-        X_FT = tool.X_FT
-        return applied(self.flange[:, :3, :3], X_FT.p) + nose, applied(self.flange[:, :3, :3], X_FT.R[:, 2])
+
+def tips_of(tool: Tool, flange: Array) -> tuple[Array, Array]:
+    """Where the tip of a tool is (n, 3), and where it points (n, 3), on flanges (n, 4, 4)."""
+    nose, out = flange[:, :3, 3], flange[:, :3, 2]
+    if tool.X_FN is None:
+        return nose + tool.true_length * out, out
+    X_FT = tool.X_FT
+    return applied(flange[:, :3, :3], X_FT.p) + nose, applied(flange[:, :3, :3], X_FT.R[:, 2])
 
 
 def _way(plan: Plan, time: Array, carrier: Callable[[Array], Array] | None) -> _Way:

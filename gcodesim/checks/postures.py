@@ -97,7 +97,7 @@ class Postures:
                     for j in range(len(own), len(bodies))
                     for i in range(len(own))
                     if may_meet_by_motion(bodies[i], bodies[j], self.machine.tree)
-                    or (self.round_tools and _enters(bodies[j], bodies[i]))
+                    or (self._asks_for_tools(bodies[i]) and _enters(bodies[j], bodies[i]))
                 ]
             names = [body.rigid.name for body in bodies]
             pairs = [pair for pair in pairs if frozenset(names[k] for k in pair) not in self.apart]
@@ -107,6 +107,10 @@ class Postures:
             moving = moving.of_pairs([pair for pair in pairs if pair not in inside])
             self._known[number] = moving, tuple(bodies)
         return self._known[number]
+
+    def _asks_for_tools(self, body: CarriedBody) -> bool:
+        """Whether round tools may not be in a body; of one that goes along with the work no other place says more."""
+        return self.round_tools and body.rigid.name not in self.along
 
 
 def _enters(tool: CarriedBody, other: CarriedBody) -> bool:

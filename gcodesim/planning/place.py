@@ -51,7 +51,7 @@ class Spot:
         return self.margin >= 0.0
 
 
-def _paths_of(plan: Plan) -> list[ArmJoints]:
+def paths_of(plan: Plan) -> list[ArmJoints]:
     """The joints of each leg."""
     legs = plan.joint_path.legs if isinstance(plan.joint_path, LegJoints) else (plan,)
     return [leg.joint_path for leg in legs if isinstance(leg.joint_path, ArmJoints)]
@@ -59,12 +59,12 @@ def _paths_of(plan: Plan) -> list[ArmJoints]:
 
 def arm_of(plan: Plan) -> Kinematics:
     """What finds the joints of an arm on the cuts of its plan."""
-    return next((path.kinematics for path in _paths_of(plan)), plan.kinematics)
+    return next((path.kinematics for path in paths_of(plan)), plan.kinematics)
 
 
 def cuts_of(plan: Plan, posing: FixedAttitude) -> list[Passage]:
     """What an arm has to run without a jump, one cut for each stretch between joint moves, and what stands around."""
-    paths = _paths_of(plan)
+    paths = paths_of(plan)
     total = sum(len(path.nodes) for path in paths)
     cuts = []
     for path in paths:
@@ -83,7 +83,7 @@ def cuts_of(plan: Plan, posing: FixedAttitude) -> list[Passage]:
 def outside_cuts_of(plan: Plan, posing: FixedAttitude) -> list[OutsideCut]:
     """The same of an arm with external axes."""
     cuts = []
-    for path in _paths_of(plan):
+    for path in paths_of(plan):
         pieces, guide = path.flange.pieces, path.flange.guide
         assert guide is not None
         joint = np.zeros(len(pieces.path), dtype=bool)
@@ -130,20 +130,11 @@ def margin_at(kinematics: Kinematics, cuts: list[Passage], shift: Array, branche
     return float(least)
 
 
-def places(
-    kinematics: Kinematics,
-    cuts: list[Passage],
-    R_BW: Array,
-    within: Array,
-    step: float,
-    branches: tuple[int, ...] | None,
-) -> list[Spot]:
-    """All places on a grid of `step` [m] whose shifts are `within` (3,) [m] of the present one, the nearest first."""
-    return places_by(lambda shift: margin_at(kinematics, cuts, shift, branches), R_BW, within, step)
+def places(margin: Callable[[Array], float], R_BW: Array, within: Array, step: float) -> list[Spot]:
+    """All places on a grid of `step` [m] whose shifts are `within` (3,) [m] of the present one, the nearest first.
 
-
-def places_by(margin: Callable[[Array], float], R_BW: Array, within: Array, step: float) -> list[Spot]:
-    """The same by the `margin` [rad] of each shift (3,) [m] in B."""
+    `margin` [rad] is that of a shift (3,) [m] in B.
+    """
     counts = [int(np.floor(w / step + 1e-9)) for w in within]
     shifts = [step * np.array(c, dtype=float) for c in product(*(range(-n, n + 1) for n in counts))]
     shifts.sort(key=lambda shift: (dot(shift, shift), *(-shift)))

@@ -113,6 +113,20 @@ def test_fixtures_on_the_frame_of_the_work_go_along(tmp_path):
     assert len(good_shifts(tmp_path)) == 3
 
 
+CLAMP = CELL.replace("1000", "600") + "fixtures: {clamp: {box: [20, 20, 20], in: %s}}\n"
+
+
+def test_a_place_where_a_tool_enters_a_fixture_that_stays_is_not_good(tmp_path):
+    """A low clamp that no link comes near; one on the frame of the work is entered at each place, as `check` says."""
+    files(tmp_path, CLAMP % "world, xyz: [800, 350, 245]")
+    assert good_shifts(tmp_path) == [[0.0, 0.0, 0.0], [0.0, -200.0, 0.0]]
+    for y, status in ((0, 0), (200, 1)):
+        files(tmp_path, (CLAMP % "world, xyz: [800, 350, 245]").replace("[600, 0,", f"[600, {y},"))
+        assert gcodesim(tmp_path, "check", "part.nc", "--cell", "cell.yaml").returncode == status
+    files(tmp_path, CLAMP % "table, xyz: [200, 150, -5]")
+    assert len(good_shifts(tmp_path)) == 3
+
+
 EXTERNALS = {
     "rail": """externals:
   rail: {carries: arm, free: true, axes: {U: {travel: [0, 2 m], speed: 1 m/s, acceleration: 2 m/s^2}}}

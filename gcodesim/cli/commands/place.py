@@ -13,12 +13,15 @@ from gcodesim.cli.language import Language
 from gcodesim.cli.options import add_cell, add_format, add_language, add_program, read_source
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from gcodesim.cell.shifting import Shifted
     from gcodesim.checks.postures import Postures
     from gcodesim.diagnostics import SourceText
     from gcodesim.frames import Array
     from gcodesim.kinematics.protocol import Kinematics
     from gcodesim.planning.place import Spot
+    from gcodesim.planning.plan import Plan
     from gcodesim.shop import Shop
 
 _PICTURE, _MESH = "reach.svg", "reach.stl"
@@ -33,8 +36,8 @@ def add_parser(commands: Any) -> None:
         " reaches.",
         epilog="Everything that the program commands is shifted together, with the stock and the fixtures that stand"
         " on the same frame. A place is good if no link hits another link, the tool, a fixture or the stock as it"
-        " is at the start; ways between cuts are not asked: look at the proposal with `gcodesim check`. External axes"
-        " stand as commanded, or where the arm has most room.",
+        " is at the start, and no tool a fixture that stays; ways between cuts are not asked: look at the proposal with"
+        " `gcodesim check`. External axes stand as commanded, or where the arm has most room.",
     )
     add_program(parser)
     add_cell(parser, required=True)
@@ -68,10 +71,10 @@ def run(arguments: argparse.Namespace) -> int:
         arm_of,
         best_place,
         cuts_of,
+        margin_at,
         margin_outside,
         outside_cuts_of,
         places,
-        places_by,
     )
     from gcodesim.planning.shop_posing import posing_of
     from gcodesim.simulation import prepare
@@ -93,7 +96,8 @@ def run(arguments: argparse.Namespace) -> int:
     if posing.outside is not None and arguments.out is not None:
         raise UsageError("the region of an arm with external axes is not drawn: leave out --out")
     systems = sorted({state.system for state in job.plan.path.states})
-    posing = replace(posing, obstacles=_obstacles(shop, systems, arguments.arm))
+    along = _goes_along(shop, systems, arguments.arm)
+    posing = replace(posing, obstacles=_obstacles(shop, along, round_tools=posing.outside is not None))
     cuts = cuts_of(job.plan, posing) if posing.outside is None else []
     outside = [] if posing.outside is None else outside_cuts_of(job.plan, posing)
     if not (cuts or outside):
@@ -101,9 +105,14 @@ def run(arguments: argparse.Namespace) -> int:
     arm, R_BW = arm_of(job.plan), shop.X_WB.inverse().R
     within, step = np.array(arguments.within) * MM, arguments.step * MM
     if outside:
-        found = places_by(lambda shift: margin_outside(outside, shift), R_BW, within, step)
+        found = places(lambda shift: margin_outside(outside, shift), R_BW, within, step)
     else:
-        found = places(arm, cuts, R_BW, within, step, posing.branches)
+        found = places(
+            _where_tools_are_clear(job.plan, shop, along, lambda shift: margin_at(arm, cuts, shift, posing.branches)),
+            R_BW,
+            within,
+            step,
+        )
     now, best = found[0], best_place(found, step)
     shift = None if best is None else (-best.shift if arguments.arm else best.shift)
     moved = [] if shift is None else _moved(shop, systems, shift, arguments.arm)
@@ -146,20 +155,49 @@ def run(arguments: argparse.Namespace) -> int:
     return OK
 
 
-def _obstacles(shop: Shop, systems: list[int], arm: bool) -> Postures:
-    """What the arm may hit, and what of that is shifted together with the work."""
+def _goes_along(shop: Shop, systems: list[int], arm: bool) -> frozenset[str]:
+    """The names of what is shifted together with the work; seen from an arm that is shifted, all that stands around."""
     import numpy as np
 
     from gcodesim.cell.shifting import standing_on
     from gcodesim.checks.machine_bodies import BASE_JOINT, MachineBodies
+
+    if not arm:
+        return standing_on(shop.cell, shop.channel, _moved(shop, systems, np.zeros(3), arm))
+    bodies = MachineBodies.of(shop.scene, shop.name).bodies
+    return frozenset(body.rigid.name for body in bodies if body.carrier == BASE_JOINT)
+
+
+def _obstacles(shop: Shop, along: frozenset[str], *, round_tools: bool) -> Postures:
+    """What the arm may hit."""
+    from gcodesim.checks.machine_bodies import MachineBodies
     from gcodesim.checks.postures import Postures
 
-    machine = MachineBodies.of(shop.scene, shop.name)
-    if arm:
-        along = frozenset(body.rigid.name for body in machine.bodies if body.carrier == BASE_JOINT)
-    else:
-        along = standing_on(shop.cell, shop.channel, _moved(shop, systems, np.zeros(3), arm))
-    return Postures(machine=machine, tools=shop.cell.tools, home=shop.home, apart=shop.cell.limits.apart, along=along)
+    return Postures(
+        machine=MachineBodies.of(shop.scene, shop.name),
+        tools=shop.cell.tools,
+        home=shop.home,
+        apart=shop.cell.limits.apart,
+        along=along,
+        round_tools=round_tools,
+    )
+
+
+def _where_tools_are_clear(
+    plan: Plan, shop: Shop, along: frozenset[str], margin: Callable[[Array], float]
+) -> Callable[[Array], float]:
+    """The `margin` [rad] of each shift (3,) [m] in B, `NOWHERE` where a tool would enter a fixture that stays."""
+    from gcodesim.checks.clearance import standing_bodies
+    from gcodesim.checks.moved_work import MovedWork
+    from gcodesim.planning.place import NOWHERE, paths_of
+
+    work = MovedWork.of(paths_of(plan), shop.cell.tools, standing_bodies(shop.scene, shop.name), along)
+
+    def where_clear(shift: Array) -> float:
+        room = margin(shift)
+        return room if room < 0.0 or not work.enters(shift) else NOWHERE
+
+    return where_clear
 
 
 def _moved(shop: Shop, systems: list[int], shift: Array, arm: bool) -> list[Shifted]:

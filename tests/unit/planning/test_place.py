@@ -31,12 +31,15 @@ def test_margins_are_those_of_the_search(plan, cuts):
 
 
 def test_a_grid_of_places_begins_where_the_part_is(plan, cuts):
-    found = places(plan.kinematics, cuts, np.eye(3), np.array([0.4, 0.0, 0.0]), 0.2, None)
+    def margin(shift):
+        return margin_at(plan.kinematics, cuts, shift, None)
+
+    found = places(margin, np.eye(3), np.array([0.4, 0.0, 0.0]), 0.2)
     assert [tuple(np.round(p.shift, 6)) for p in found] == [
         (0.0, 0.0, 0.0), (0.2, 0.0, 0.0), (-0.2, 0.0, 0.0), (0.4, 0.0, 0.0), (-0.4, 0.0, 0.0)
     ]  # fmt: skip
     assert found[0].good and not found[3].good
-    turned = places(plan.kinematics, cuts, np.diag([-1.0, -1.0, 1.0]), np.array([0.4, 0.0, 0.0]), 0.4, None)
+    turned = places(margin, np.diag([-1.0, -1.0, 1.0]), np.array([0.4, 0.0, 0.0]), 0.4)
     assert [p.margin for p in turned] == [found[0].margin, found[4].margin, found[3].margin]
 
 
