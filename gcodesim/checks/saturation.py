@@ -14,6 +14,8 @@ from gcodesim.diagnostics import Diagnostic, Severity
 from gcodesim.frames import Array
 from gcodesim.kinematics.chain import JointKind
 
+EFFORT: Final = "GS230"
+
 BRIEF: Final = 0.05
 """[s] at a time up to which a motor at its limit is a note."""
 
@@ -49,7 +51,7 @@ def saturation_findings(
         brief = capped and longest[joint] <= BRIEF
         found.append(
             Diagnostic(
-                code="GS230",
+                code=EFFORT,
                 severity=Severity.NOTE if brief else None,
                 message=f"{name} is at its limit of {allowed:.1f} {unit}, {what}, "
                 f"for {in_words(float(seconds[joint]), float(longest[joint]))}",

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from gcodesim.arithmetic.distinct import distinct
 from gcodesim.frames import Array
 from gcodesim.frozen import frozen
 from gcodesim.motion.ramp_kernels import peak_speed, ramp_at, ramp_time
@@ -119,16 +120,20 @@ class JointMove:
         return ramp_at(t, top, self.acceleration, j)
 
     def within(self, loads: Loads, tool: int, piece: int = 0) -> tuple[JointMove, Slowing | None]:
-        """The move slowed evenly so that motors can give its efforts with `tool`; and where, on `piece`, if it was."""
+        """The move slowed evenly so that motors can give its efforts with `tool`; and where, on `piece`, if it was.
+
+        Or where they cannot bear the weight, which is as it is however slow the move.
+        """
         if not self.moves or not loads.matter:
             return self, None
         share, slowing = self._asks(loads, tool, piece, _LOOKS)
         if share > _NEAR:
             _, slowing = self._asks(loads, tool, piece, _CLOSE_LOOKS)
-        worst = slowing.at(np.array([slowing.share.argmin()]))
-        k = float(worst.share[0])
+        heavy = np.flatnonzero(slowing.overweight.any(axis=1))
+        worst = slowing.at(distinct(np.append(heavy, slowing.share.argmin())))
+        k = float(worst.share.min())
         if k >= 1.0:
-            return self, None
+            return self, worst if len(heavy) else None
         slower = replace(
             self, speed=self.peak * sqrt(k), acceleration=self.acceleration * k, jerk=self.jerk * k * sqrt(k)
         )

@@ -235,7 +235,8 @@ class Loads:
         spare = np.where(joint >= 0, kept[rows, joint], 0.0)
         over = np.abs(static) + reserve - self.limit
         overborne = np.where((over > 0.0) & (np.abs(static) <= self.limit), over, 0.0)
-        return Slowing(*place, np.maximum(share, _LEAST), joint, most, spare, overborne)
+        overweight = np.maximum(np.abs(static) - self.limit, 0.0)
+        return Slowing(*place, np.maximum(share, _LEAST), joint, most, spare, overborne, overweight)
 
 
 @frozen(kw_only=False, eq=False)
@@ -244,7 +245,7 @@ class Slowing:
 
     `joint` (n,) is the one that needs it, -1: none does. `effort` (n,) [N·m, N] is what that joint would have to give
     otherwise, `reserve` (n,) of it for friction and the work. `overborne` (n, j) is by how much a motor that bears its
-    joint at rest cannot bear the work.
+    joint at rest cannot bear the work, `overweight` (n, j) by how much one cannot even do that.
     """
 
     piece: NDArray[np.int64]
@@ -254,6 +255,7 @@ class Slowing:
     effort: Array
     reserve: Array
     overborne: Array
+    overweight: Array
 
     def at(self, places: NDArray[np.intp]) -> Slowing:
         """That of some of the places."""
@@ -261,8 +263,8 @@ class Slowing:
 
     @property
     def needed(self) -> Slowing:
-        """That of the places where motors need it, or cannot bear the work."""
-        return self.at(np.flatnonzero((self.joint >= 0) | self.overborne.any(axis=1)))
+        """That of the places where motors need it, or cannot bear the work or the weight."""
+        return self.at(np.flatnonzero((self.joint >= 0) | (self.overborne + self.overweight).any(axis=1)))
 
     @property
     def first(self) -> OnPiece:

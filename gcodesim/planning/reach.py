@@ -259,8 +259,10 @@ def report_slow_joints(
 def report_slow_motors(kinematics: Kinematics, pieces: Pieces, slowing: Slowing, findings: PathFindings) -> None:
     """Note once that motions are slower than speeds and accelerations allow, because a motor can give no more (GS231).
 
-    Another note tells where a motor cannot bear what the tool expects, however slow the motion is.
+    Another note tells where a motor cannot bear what the tool expects, however slow the motion is, and an error where
+    it cannot bear the weight alone (GS230).
     """
+    _report_overweight(kinematics, pieces, slowing, findings)
     _report_overborne(kinematics, pieces, slowing, findings)
     needed = slowing.at(np.flatnonzero(slowing.joint >= 0))
     if not len(needed.piece):
@@ -287,6 +289,33 @@ def report_slow_motors(kinematics: Kinematics, pieces: Pieces, slowing: Slowing,
         ),
         at=begin,
     )
+
+
+def _report_overweight(kinematics: Kinematics, pieces: Pieces, slowing: Slowing, findings: PathFindings) -> None:
+    """Tell of each joint whose motor cannot bear it at rest."""
+    joints, path = kinematics.joints, pieces.path
+    for j in np.flatnonzero(slowing.overweight.any(axis=0)).tolist():
+        over = slowing.overweight[:, j]
+        places = np.flatnonzero(over)
+        unit, limit = "N·m" if joints.kinds[j] == "revolute" else "N", float(joints.effort[j])
+        worst = int(over.argmax())
+        needed, begin = limit + float(over[worst]), slowing.at(places).first
+        at, worst_at = (path.span(int(pieces.row_last[p])) for p in (begin.piece, slowing.piece[worst]))
+        findings.add(
+            Diagnostic(
+                code="GS230",
+                message=f"{joints.names[j]} cannot bear its weight: it would need {needed:.1f} {unit} at rest, its"
+                f" limit is {limit:.1f} {unit}",
+                span=at,
+                hint="use a lighter tool or payload, stand nearer to the robot, also at `home`, or check `effort` of"
+                " the joint" + (f"; most of all in line {worst_at.line}" if worst_at.line != at.line else ""),
+                count=_blocks(pieces, slowing.piece[places]),
+                value=needed,
+                limit=limit,
+                unit=unit,
+            ),
+            at=begin,
+        )
 
 
 def _report_overborne(kinematics: Kinematics, pieces: Pieces, slowing: Slowing, findings: PathFindings) -> None:

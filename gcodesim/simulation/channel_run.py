@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from gcodesim.checks.coarse import coarse_findings
 from gcodesim.checks.missing_length import cutting_without_length
+from gcodesim.checks.saturation import EFFORT
 from gcodesim.diagnostics import Diagnostic
 from gcodesim.executor import TrackPlan
 from gcodesim.jobs.beam_beyond import beyond_findings
@@ -71,7 +72,10 @@ class ChannelRun:
         """Findings that need the whole run."""
         job, plan = self.job, self.job.plan
         assert plan is not None
-        job.findings.extend(self.inspector.final(execution))
+        found = self.inspector.final(execution)
+        if any(finding.code == EFFORT for finding in found):  # the run says of each joint for how long, too
+            job.findings.withdraw([finding for finding in job.findings if finding.code == EFFORT])
+        job.findings.extend(found)
         job.findings.change(cutting_without_length(job.findings, plan, self.shop, execution.rows["removed"]))
         if not self.told_coarse:
             job.findings.extend(coarse_findings(self.shop, plan))

@@ -182,7 +182,9 @@ CODES: tuple[Code, ...] = (
         severity=Severity.ERROR,
         title="Joint effort at its limit",
         what="Gravity, inertia and process together ask a joint for more torque or force than its motor can give. It is"
-        " a note where a world with motors has them at their limit for 0.05 s at most at a time.",
+        " a note where a world with motors has them at their limit for 0.05 s at most at a time. Before a run, `check`"
+        " tells it where weight alone is too much: of links, tool and payload, with the arm at rest on its path or at"
+        " `home`.",
         why="The joint falls behind its command: the tool leaves its path, or the control stops with a servo error.",
         remedy="Take less depth, width or feed on this line, accelerate less, or move the part to where the arm is less"
         " stretched. Check `effort` of the joint in the URDF or the cell when the limit looks wrong.",

@@ -14,7 +14,7 @@ from gcodesim.diagnostics import Diagnostic, SourceText
 from gcodesim.jobs.job import Job
 from gcodesim.planning.loads import Loads, Motors
 from gcodesim.planning.shop_posing import loads_of
-from gcodesim.simulation import prepare
+from gcodesim.simulation import prepare, run
 
 CELL = """gcodesim: 1
 robots: {arm: {model: kuka_kr10_r1100_2CONTROL}}
@@ -117,6 +117,49 @@ def test_the_lightest_payload_that_slows_needs_just_more_than_a_motor_gives() ->
     (note,) = notes(some)
     assert note.value is not None and note.limit is not None
     assert 0.0 < note.value - note.limit < 0.02 * note.limit
+
+
+STRETCHED = ", home: [0, -10, 20, 0, 0, 0]"
+
+
+def heaviest(job: Job) -> tuple[float, int]:
+    """The payload [kg] at the flange that motors bear at home with the tool, and the joint whose motor bears no more.
+
+    Weight at the flange asks a joint for its mass times g times how fast the flange rises with the joint.
+    """
+    assert job.shop is not None
+    home, joints, step = job.shop.home, job.shop.kinematics.joints, 1e-6
+    (own,) = loads(job).efforts(np.array([1]), home[None], (0.0, 0.0))
+    ends = [job.shop.kinematics.forward(home + side * step * np.eye(6))[:, 2, 3] for side in (1.0, -1.0)]
+    each = 9.80665 * (ends[0] - ends[1]) / (2.0 * step)
+    most = (joints.effort - np.sign(each) * own[0]) / np.maximum(np.abs(each), 1e-9)
+    return float(most.min()), int(most.argmin())
+
+
+def test_a_home_pose_that_a_motor_cannot_bear_is_told_before_anything_moves() -> None:
+    mass, joint = heaviest(job_of(control=STRETCHED))
+    for share in (0.99999, 1.00001):
+        job = job_of(control=f"{STRETCHED}, payload: {{mass: {share * mass!r} kg}}")
+        told = [finding for finding in job.findings if finding.code == "GS230"]
+        assert len(told) == (share > 1.0)
+    assert job.shop is not None
+    (finding,) = told
+    name = job.shop.kinematics.joints.names[joint]
+    assert finding.message.startswith(f"{name} cannot bear its weight") and finding.time == pytest.approx(0.0, abs=1e-9)
+    assert finding.value == pytest.approx(finding.limit, rel=1e-4) and finding.value > finding.limit  # type: ignore[operator]
+
+
+def test_a_run_tells_of_that_weight_once() -> None:
+    mass, joint = heaviest(job_of(control=STRETCHED))
+    job = job_of(control=f"{STRETCHED}, payload: {{mass: {1.1 * mass} kg}}")
+    before = [finding for finding in job.findings if finding.code == "GS230"]
+    run(job)
+    after = [finding for finding in job.findings if finding.code == "GS230"]
+    assert job.shop is not None
+    name = job.shop.kinematics.joints.names[joint]
+    for found in (before, after):
+        assert len([finding for finding in found if f"{name} " in finding.message]) == 1
+    assert all("is at its limit" in finding.message for finding in after)
 
 
 def test_friction_and_rotors_of_a_controller_count() -> None:
