@@ -261,7 +261,7 @@ class Channel:
     laser_mode: float | None = key(
         Quantity("ratio", POSITIVE),
         "S for full power (grbl's `$30`) where the control drives a laser as grbl does with `$32=1`: power follows S, "
-        "none in G0, and with M4 it follows the speed too",
+        "none in G0, and with M4 it follows the speed too; an S beside a move goes along with it without a stop",
         default=None,
         example="1000",
         quiet=True,

@@ -6,7 +6,7 @@ the search finds there says how the tool turns along the path and where the join
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +17,7 @@ from gcodesim.frames import Array
 from gcodesim.frozen import frozen
 from gcodesim.kinematics.path_kernels import JUMP
 from gcodesim.planning.configuration import Hindrance, even_way, grid, hindrance, way_with
-from gcodesim.planning.ladder import Passage, rungs_of
+from gcodesim.planning.ladder import Passage, Rungs, rungs_of
 from gcodesim.planning.ladder_kernels import TURN, earliest, link
 from gcodesim.planning.nodes import Nodes
 from gcodesim.planning.obstacles import Around, Obstacles
@@ -148,6 +148,41 @@ def _shorter(steps: Array) -> Array:
     return shorter
 
 
+class _LongestPart(NamedTuple):
+    """What a search over the `chosen` of some `nodes` finds of a chain: the cut through them, all of its rungs.
+
+    `run` is what `earliest` says of these: how far from the start, and the first and last pose of the longest part.
+    """
+
+    nodes: Nodes
+    chosen: NDArray[np.int64]
+    cut: Passage
+    rungs: Rungs
+    run: tuple[int, int, int]
+
+    @staticmethod
+    def on(
+        kinematics: Kinematics,
+        flange: Flange,
+        nodes: Nodes,
+        chain: int,
+        *,
+        free: bool,
+        branches: tuple[int, ...] | None,
+        obstacles: Obstacles | None,
+    ) -> _LongestPart:
+        """By the first of the `TRIALS`."""
+        count, spins = TRIALS[0]
+        chosen, cut = cut_through(kinematics, flange, nodes, chain, count, free, obstacles)
+        rungs = rungs_of(kinematics, cut, grid(cut, spins), branches)
+        return _LongestPart(nodes, chosen, cut, rungs, earliest(rungs.ladder, link(rungs.ladder, cut.step, False)))
+
+    @property
+    def whole(self) -> bool:
+        """Whether the rungs can be run from the first to the last."""
+        return self.run[2] - self.run[1] + 1 == len(self.cut)
+
+
 def dead_end(
     kinematics: Kinematics,
     flange: Flange,
@@ -162,18 +197,17 @@ def dead_end(
 
     Nodes may be far apart; so there are more, unless these have a way where the route has none.
     """
-    rungs, spins = TRIALS[0]
     if obstacles is not None:
         obstacles = obstacles.with_round_tools()
-    for places in (nodes.denser(chain, rungs), nodes):
-        chosen, cut = cut_through(kinematics, flange, places, chain, rungs, free, obstacles)
-        ladder = rungs_of(kinematics, cut, grid(cut, spins), branches)
-        prefix, first, last = earliest(ladder.ladder, link(ladder.ladder, cut.step, False))
-        if last - first + 1 < len(cut):
-            break
-    else:  # rungs have a way, the nodes between do not
+    dense = nodes.denser(chain, TRIALS[0][0])
+    looked = _LongestPart.on(kinematics, flange, dense, chain, free=free, branches=branches, obstacles=obstacles)
+    if looked.whole:
+        looked = _LongestPart.on(kinematics, flange, nodes, chain, free=free, branches=branches, obstacles=obstacles)
+    places, chosen, cut, ladder, (prefix, first, last) = looked
+    if looked.whole:  # rungs have a way, the nodes between do not
         end = int(chosen[-1])
         return DeadEnd(places, places.chains[chain], int(chosen[0]), end, end, Hindrance.WAY, None)
+    spins = TRIALS[0][1]
     after = last + 1 if last + 1 < len(cut) else first - 1
     q = None
     if last >= first:
