@@ -11,6 +11,10 @@ In G64 the last block before the queue runs empty (the end, a dwell, M8) has hal
 even one that stands alone: LinuxCNC 2.9 halves it for every segment that ends in "blend", also where nothing follows
 (`tcGetOverallMaxAccel` in tc.c, 2.9.9; the recorded times say the same). 2.10 halves it only while two segments
 overlap (change 4220 of July 2026); `G61` gives a lone block all of its acceleration in both.
+
+From one stop to the next LinuxCNC takes whole cycles, since only a block that goes over into the next hands on what is
+left of its last one (`tpCheckEndCondition` in tp.c). That is half a cycle a stop more on the mean than here: 1.3 % in
+chords of 1 mm that stop at each end, 2.8 % in blocks of 0.3 mm. Other controls have other cycles, so it is not done.
 """
 
 from __future__ import annotations
