@@ -209,6 +209,9 @@ def _stops(path: ToolPath, row_last: NDArray[np.intp]) -> NDArray[np.bool_]:
 
 
 def _merged(curves: Curves, path: ToolPath, first: NDArray[np.intp], last: NDArray[np.intp]) -> Curves:
+    """The curves that rows `first` to `last` become; those given where none is left out."""
+    if len(first) == len(curves):
+        return curves
     out = curves.take(first)
     many = np.flatnonzero(first != last)
     out.end[many] = path.end[last[many]]
@@ -379,13 +382,10 @@ def _assemble(
     # what two joints leave of a curve may be only rounding
     least = np.where(np.isinf(columns["junction"]), LEAST, 0.0)
     keep = (columns["length"] > least) | timed
-    everything = Curves(
-        **{name: np.concatenate([getattr(curves, name), getattr(bends, name)]) for name in Curves.__dataclass_fields__}
-    )
     return Pieces(
         path=path,
         limits=limits,
-        curves=everything,
+        curves=curves.followed_by(bends),
         kind=piece_kind[keep],
         fixed=timed[keep],
         joint=joint[keep],

@@ -88,6 +88,12 @@ class Curves:
         """Copies of some of the curves."""
         return Curves(**{f.name: getattr(self, f.name).take(rows, axis=0) for f in fields(self)})
 
+    def followed_by(self, others: Curves) -> Curves:
+        """All of both; these themselves where there are no others."""
+        if not len(others):
+            return self
+        return Curves(**{f.name: np.concatenate([getattr(c, f.name) for c in (self, others)]) for f in fields(self)})
+
     def end_tangents(self) -> tuple[Array, Array]:
         """Derivatives of position by s at start and end: two arrays (c, 6)."""
         length = np.where(self.length > 0.0, self.length, 1.0)[:, None]

@@ -14,7 +14,15 @@ from gcodesim.frozen import frozen
 from gcodesim.motion.blend_kernels import NORMAL_SHARE
 from gcodesim.motion.pieces import OVERLAP, Pieces
 from gcodesim.motion.timing import Caps, Softness
-from gcodesim.planning.arm_kernels import JointCaps, SegmentRates, hold_rates, hurry_shares, joint_caps, joint_rates
+from gcodesim.planning.arm_kernels import (
+    JointCaps,
+    SegmentRates,
+    hold_rates,
+    hurry_shares,
+    joint_caps,
+    joint_rates,
+    mean_rates,
+)
 from gcodesim.planning.flange import Flange
 from gcodesim.planning.jerk import softer
 from gcodesim.planning.kinks import Kinks
@@ -34,6 +42,7 @@ _STEEPEST: Final = 10.0
 _ROUGH: Final = 0.05  # of an acceleration limit, by which q'' may change within half a segment before that is cut
 _CLOSELY: Final = 2  # looks at all segments of a path
 _SHORTEST: Final = 4e-6  # [m] of a segment that is cut
+_PLENTY: Final = 1e6  # [m/s²] that stand for any acceleration
 
 
 @frozen(kw_only=False, eq=False)
@@ -134,23 +143,26 @@ class ArmCaps:
 
         Efforts are M q' a + (M q'' + C) v² + G. Those of both ends of a segment, at its top speed and at rest, with its
         acceleration forwards and backwards, are looked at: everything in between lies between them. Where bounds say
-        that motors have enough, efforts are not worked out.
+        that motors have enough, anywhere or with the weight of the arm as it stands, efforts are not worked out.
         """
         path, row = self.pieces.path, self.pieces.row_first[self.piece]
         tool, feeding = loads.on_rows(path)[row], np.isfinite(path.feed[row])
         share, why = np.ones(len(row)), []
         for at_end in (False, True):
             for part in batches(len(row)):
-                qd, along, across = self._motions(part, at_end=at_end)
-                some = np.flatnonzero(~loads.ample(tool[part], qd, np.abs(along) + np.abs(across)))
-                if not len(some):
+                ample = loads.ample_anywhere(tool[part], *self._run(part), at_end=at_end)
+                k = part.start + np.flatnonzero(~ample)
+                if not len(k):
                     continue
-                k, qd, along, across = part.start + some, qd[some], along[some], across[some]
                 at = q[nodes.segments[k] - (not at_end)]
+                (static,) = loads.efforts(tool[k], at, (0.0, 0.0))
+                qd, along, across = self._motions(k, at_end=at_end)
+                scarce = np.flatnonzero(~loads.ample(tool[k], static, qd, np.abs(along) + np.abs(across)))
+                if not len(scarce):
+                    continue
+                k, at, static, qd, along, across = (each[scarce] for each in (k, at, static, qd, along, across))
                 s = self.begin[k] + self.length[k] if at_end else self.begin[k]
-                static, ahead, behind = loads.efforts(
-                    tool[k], at, (0.0, 0.0), (qd, across + along), (qd, across - along)
-                )
+                ahead, behind = loads.efforts(tool[k], at, (qd, across + along), (qd, across - along))
                 push = 0.5 * (ahead - behind)
                 moved = (ahead, behind, static + push, static - push)
                 reserve = loads.reserve(tool[k], at, qd, feeding[k])
@@ -162,17 +174,21 @@ class ArmCaps:
         )
         return replace(self, found=found, junction=np.minimum(self.junction, found.speed)), why
 
-    def _motions(self, part: slice, *, at_end: bool) -> tuple[Array, Array, Array]:
-        """Speeds (k, j) of joints at top speed on `part` of the segments, and accelerations along the way and across.
+    def _run(self, some: slice | NDArray[np.intp]) -> tuple[SegmentRates, Array, Array, Array]:
+        """Rates on some segments, their lengths, and the greatest speeds and accelerations there."""
+        rates = SegmentRates(*(column[some] for column in self.rates))
+        return rates, self.length[some], self.found.speed[some], np.minimum(self.found.acceleration[some], _PLENTY)
+
+    def _motions(self, some: NDArray[np.intp], *, at_end: bool) -> tuple[Array, Array, Array]:
+        """Speeds (k, j) of joints at top speed on some segments, and accelerations along the way and across.
 
         Where they begin, or end.
         """
         from gcodesim.planning.load_kernels import motions_at
 
-        rates = SegmentRates(*(column[part] for column in self.rates))
+        rates, length, speed, most = self._run(some)
         qd, along, across = (np.empty(rates.start.shape) for _ in range(3))
-        most = np.minimum(self.found.acceleration[part], 1e6)
-        motions_at(rates, self.length[part], self.found.speed[part], most, at_end, qd, along, across)
+        motions_at(rates, length, speed, most, at_end, qd, along, across)
         return qd, along, across
 
     def with_moves(self) -> Caps:
@@ -201,13 +217,8 @@ def _rates(kinematics: Kinematics, flange: Flange, nodes: Nodes, q: Array, bridg
     rates = SegmentRates(*(np.empty((len(i), q.shape[1])) for _ in range(3)))
     for some in batches(len(i)):
         first, last = _exact_rates(kinematics, flange, nodes, q, some)
-        ends, way = i[some], length[some, None]
         rates.start[some], rates.end[some] = first, last
-        near = way[:, 0] <= _CLOSE
-        mean = q[ends] - q[ends - 1]
-        mean /= np.where(near[:, None], 1.0, way)
-        mean[near] = 0.5 * (first[near] + last[near])
-        rates.mean[some] = mean
+    mean_rates(np.ascontiguousarray(q), i, length, _CLOSE, rates)
     hold_rates(rates, length, bridged[i], _CLOSE, _STEEPEST)
     return rates
 
@@ -227,9 +238,11 @@ def _exact_rates(kinematics: Kinematics, flange: Flange, nodes: Nodes, q: Array,
     out[1:] = back[:-1]
     out[own] = flange.velocities(piece[own], begin[own])
     leaving, arriving = (np.zeros((high - low, out.shape[1])) for _ in range(2))
-    leaving[i - 1 - low], arriving[i - low] = out, back
+    whole = high - low == len(i) + 1  # no chain begins between them
+    begins, ends = (slice(-1), slice(1, None)) if whole else (i - 1 - low, i - low)
+    leaving[begins], arriving[ends] = out, back
     rates = joint_rates(J, leaving, arriving)
-    first, last = rates[0][i - 1 - low], rates[1][i - low]
+    first, last = rates[0][begins], rates[1][ends]
     if outside is None:
         return first, last
     slopes = (outside.slopes(piece, s, flange.pieces.points(piece, s)[1]) for s in (begin, end))

@@ -117,6 +117,22 @@ def joint_rates(jacobian: Column, first: Column, last: Column) -> tuple[Column, 
 
 
 @kernel(lean=True)
+def mean_rates(q: Column, ends: Column, length: Column, close: float, rates: SegmentRates) -> None:
+    """Rates on average along segments of `length` (k,) that end at rows `ends` (k,) of q (n, j), into `rates`.
+
+    Where one is no longer than `close` [m], joints differ by rounding; there they are the mean of those at both ends.
+    """
+    start, end, mean = rates
+    for k in range(len(length)):
+        at = ends[k]
+        for j in range(q.shape[1]):
+            if length[k] <= close:
+                mean[k, j] = 0.5 * (start[k, j] + end[k, j])
+            else:
+                mean[k, j] = (q[at, j] - q[at - 1, j]) / length[k]
+
+
+@kernel(lean=True)
 def hold_rates(rates: SegmentRates, length: Column, straight: Column, close: float, steepest: float) -> None:
     """Keep the rates at the ends of segments of `length` (k,) near to those on average, in place.
 
@@ -135,6 +151,34 @@ def hold_rates(rates: SegmentRates, length: Column, straight: Column, close: flo
                 most = steepest * max(abs(middle), max(abs(mean[before, j]), abs(mean[after, j])))
                 start[k, j] = min(max(start[k, j], -most), most)
                 end[k, j] = min(max(end[k, j], -most), most)
+
+
+@kernel(lean=True)
+def kink_caps(
+    rates: SegmentRates,
+    end: Column,
+    ratio: Column,
+    here: Column,
+    acceleration: Column,
+    cycle: float,
+    most: float,
+    cap: Column,
+    left: Column,
+) -> None:
+    """`Kinks.between`: lower `cap`, `left` (k,); steps take `most` of an acceleration (j,) at most in a `cycle` [s]."""
+    start_rate, end_rate, _ = rates
+    for k in range(len(here)):
+        if here[k]:
+            share = 0.0  # of the acceleration, for each m/s
+            for j in range(len(acceleration)):
+                step = abs(start_rate[k + 1, j] * ratio[k] - end_rate[k, j])
+                share = max(share, step / acceleration[j])
+            share /= cycle
+            asked = share * end[k]
+            if asked > most:
+                cap[k] = most / share
+            rest = 1.0 - min(asked, most)
+            left[k], left[k + 1] = min(left[k], rest), min(left[k + 1], rest)
 
 
 @kernel(lean=True)

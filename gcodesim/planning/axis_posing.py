@@ -84,8 +84,9 @@ class AxisJoints:
 def offsets(path: ToolPath, rows: NDArray[np.intp] | NDArray[np.int32] | None = None) -> Array:
     """The tool length offset of `rows`, default all of them, (n, 6) [m, rad]."""
     state = path.state if rows is None else path.state[rows]
-    table: Array = np.array([s.offset for s in path.states], dtype=float).reshape(-1, 6)[state]
-    return table
+    table = np.array([s.offset for s in path.states], dtype=float).reshape(-1, 6)
+    offset: Array = table.take(state, axis=0)
+    return offset
 
 
 @frozen

@@ -8,12 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gcodesim.arithmetic.elementary import acos
-from gcodesim.arithmetic.matrices import dots, greatest, norms
+from gcodesim.arithmetic.matrices import dots, norms
 from gcodesim.diagnostics import Diagnostic
 from gcodesim.motion.curve_kernels import TIMED
 from gcodesim.motion.pieces import Pieces
 from gcodesim.motion.tool_path import ToolPath
 from gcodesim.planning.moments import OnBlock, OnPiece, PathFindings
+from gcodesim.planning.spot_kernels import far_turns
 from gcodesim.units import DEG, MM
 
 if TYPE_CHECKING:
@@ -115,13 +116,14 @@ def report_turning_joints(
     """
     turning = np.array([kind == "revolute" for kind in kinematics.joints.kinds])
     pieces = flange.pieces
-    good = exact & np.isfinite(pieces.path.feed[pieces.row_first[nodes.piece]])
-    begin, end = _on_the_spot(nodes, good)
-    turned = np.abs(q[end] - q[begin]) * turning
-    far = np.flatnonzero(greatest(turned) > _JUMP)
-    if not len(far):
+    good = exact & np.isfinite(pieces.path.feed[pieces.row_first])[nodes.piece]
+    found = np.empty((len(nodes), 2), dtype=np.int64)
+    joints = np.ascontiguousarray(q)
+    count = far_turns(nodes.piece, nodes.s, nodes.head, good, joints, turning, _SPOT, _JUMP, found)
+    if not count:
         return
-    begin, end, turned = begin[far], end[far], turned[far]
+    begin, end = found[:count].T
+    turned = np.abs(q[end] - q[begin]) * turning
     before, after = (flange.at(nodes.piece[k], nodes.s[k])[:, :3, :3] for k in (begin, end))
     cosine = 0.5 * ((before * after).sum(axis=(1, 2)) - 1.0)  # Rodrigues 1840: the trace of the turn between both
     lean = acos(np.clip(cosine, -1.0, 1.0))
@@ -148,16 +150,3 @@ def report_turning_joints(
         ),
         at=OnPiece(int(nodes.piece[begin[first]]), float(nodes.s[begin[first]])),
     )
-
-
-def _on_the_spot(nodes: Nodes, good: NDArray[np.bool_]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """Pairs of nodes (n,) as far from each other as the spot is wide, or less, with only `good` (k,) ones between."""
-    first, last = [np.zeros(0, dtype=np.intp)], [np.zeros(0, dtype=np.intp)]
-    bad = np.concatenate([[0], np.cumsum(~good)])
-    for a, b in nodes.chains:
-        way = nodes.way(a, b)
-        last.append(np.arange(a, b))
-        first.append(a + np.searchsorted(way, way - _SPOT))
-    begin, end = np.concatenate(first), np.concatenate(last)
-    whole = bad[end + 1] == bad[begin]
-    return begin[whole], end[whole]

@@ -308,7 +308,7 @@ class FixedAttitude:
         if law is None and self.outside is None:
             return None
         table = np.array([self.axes.get(state.system, np.eye(3)) for state in path.states]).reshape(-1, 3, 3)
-        axes = table[path.state]
+        axes = table.take(path.state, axis=0)
         numbers = np.array([self.platforms.get(state.system, GROUND) for state in path.states], dtype=np.int64)
         return Guide(
             law=law,
@@ -423,7 +423,7 @@ class FixedAttitude:
     def R_BO(self, path: ToolPath) -> Array:
         """Axes of O in B for every row of `path` (n, 3, 3)."""
         table = np.array([self.frames.get(state.system, self.upright) for state in path.states]).reshape(-1, 3, 3)
-        rows: Array = table[path.state]
+        rows: Array = table.take(path.state, axis=0)
         return rows if self.borne is None else self.borne.turned(path, rows)
 
 
@@ -490,8 +490,10 @@ def _bridge(nodes: Nodes, q: Array, status: NDArray[np.uint8]) -> NDArray[np.boo
     bridged: NDArray[np.bool_] = away | (status == _FLIP)
     bridged[1:] |= away[:-1]
     # where no branch is within limits, the next pose may be had in another one only
-    leaps = greatest(np.abs(np.diff(q, axis=0))) > JUMP
-    bridged[1:] |= leaps & (_is_bad(status[1:]) | _is_bad(status[:-1]))
+    bad = _is_bad(status)
+    if bad.any():
+        leaps = greatest(np.abs(np.diff(q, axis=0))) > JUMP
+        bridged[1:] |= leaps & (bad[1:] | bad[:-1])
     bridged[nodes.head] = False
     return bridged
 

@@ -48,20 +48,31 @@ class Flange:
         """X_BF (k, 4, 4) with the controlled point at `positions` (k, 6), which are at `s` (k,) of `piece` (k,)."""
         X = np.empty((len(piece), 4, 4))
         for some in batches(len(piece)):
-            X[some] = unbent(self._noses(piece[some], s[some], positions[some]), self.bend_of(piece[some]))
+            self._put(piece[some], s[some], positions[some], X[some])
         return X
 
     def bend_of(self, piece: NDArray[np.int64]) -> Array | None:
         """X_NF (k, 4, 4) on these pieces (k,); None where no tool is bent."""
         return None if self.bend is None else self.bend[self.pieces.row_first[piece]]
 
-    def _noses(self, piece: NDArray[np.int64], s: Array, positions: Array) -> Array:
-        X = self._unturned_noses(piece, s, positions)
+    def _put(self, piece: NDArray[np.int64], s: Array, positions: Array, X: Array) -> None:
+        """Write the poses into X (k, 4, 4)."""
+        self._put_noses(piece, s, positions, X)
+        bend = self.bend_of(piece)
+        if bend is not None:
+            X[:] = unbent(X, bend)
+
+    def _put_noses(self, piece: NDArray[np.int64], s: Array, positions: Array, X: Array) -> None:
+        self._put_unturned_noses(piece, s, positions, X)
         if self.turning is not None:
             turn_flanges(X, *cos_sin(self.turning.at(piece, s)[0]))
-        return X
 
     def _unturned_noses(self, piece: NDArray[np.int64], s: Array, positions: Array) -> Array:
+        X = np.empty((len(piece), 4, 4))
+        self._put_unturned_noses(piece, s, positions, X)
+        return X
+
+    def _put_unturned_noses(self, piece: NDArray[np.int64], s: Array, positions: Array, X: Array) -> None:
         row = self.pieces.row_first[piece].astype(np.int64)
         if self.guide is None:
             R = self.R_BO[row]
@@ -70,11 +81,9 @@ class Flange:
         externals = None if self.guide is None else self.guide.externals(piece, s, positions)
         if self.guide is not None and externals is not None:
             p = flange_origins(positions[:, :3], self.offset[row], R)
-            X = flange_poses(*self.guide.from_arm(p, R, row, externals), self.spin)
+            X[:] = flange_poses(*self.guide.from_arm(p, R, row, externals), self.spin)
         else:
-            X = np.empty((len(row), 4, 4))
             hold_tools(np.ascontiguousarray(positions), R, row, self._holding, X)
-        return X
 
     @cached_property
     def _holding(self) -> Holding:
@@ -84,7 +93,10 @@ class Flange:
 
     def at(self, piece: NDArray[np.int64], s: Array) -> Array:
         """X_BF (k, 4, 4) at places `s` (k,) of `piece` (k,)."""
-        return self.poses(piece, s, self.pieces.points(piece, s)[0])
+        X = np.empty((len(piece), 4, 4))
+        for some in batches(len(piece)):
+            self._put(piece[some], s[some], self.pieces.points(piece[some], s[some])[0], X[some])
+        return X
 
     def velocities(self, piece: NDArray[np.int64], s: Array) -> Array:
         """Velocity (k, 3) of the flange by the way, or (k, 6) with the angular one, where it turns."""
@@ -99,7 +111,8 @@ class Flange:
         rate = self.turning.at(piece, s)[1]
         w = -rate[:, None] * self.R_BO[self.pieces.row_first[piece]][:, :, 2]
         if self.bend is not None:
-            nose = self._noses(piece, s, self.pieces.points(piece, s)[0])
+            nose = np.empty((len(piece), 4, 4))
+            self._put_noses(piece, s, self.pieces.points(piece, s)[0], nose)
             v = v + np.cross(w, applied(nose[:, :3, :3], self.bend[self.pieces.row_first[piece]][:, :3, 3]))
         return np.concatenate([v, w], axis=1)
 

@@ -51,9 +51,9 @@ def with_joint_rows(
     shifts = np.zeros(len(path), dtype=bool) if shifts is None else shifts
     turned = np.zeros(len(path), dtype=bool)
     if len(path):
-        same = np.all(np.abs(R_BO[1:] - R_BO[:-1]) < 1e-12, axis=(1, 2))
+        same = _same_as_before(R_BO)
         if bend is not None:
-            same &= np.all(np.abs(bend[1:] - bend[:-1]) < 1e-12, axis=(1, 2))
+            same &= _same_as_before(bend)
         turned[1:] = ~same | home[:-1] | shifts[1:]
         turned[0] = True
     rapid = path.kind == RAPID
@@ -67,6 +67,15 @@ def with_joint_rows(
         return JointRows(path, joint, home)
     moved = _with_moves_on_the_spot(path, before)
     return JointRows(moved, np.insert(joint, before, True), np.insert(home, before, False), before)
+
+
+def _same_as_before(matrices: Array) -> NDArray[np.bool_]:
+    """Whether each but the first of some matrices (n, k, k) is the one before (n - 1,); by entries, as k is small."""
+    entries = matrices.reshape(len(matrices), -1)
+    same = np.ones(len(entries) - 1, dtype=bool)
+    for k in range(entries.shape[1]):
+        same &= np.abs(entries[1:, k] - entries[:-1, k]) < 1e-12
+    return same
 
 
 def _with_moves_on_the_spot(path: ToolPath, before: NDArray[np.intp]) -> ToolPath:

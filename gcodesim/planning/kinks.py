@@ -2,18 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 from numpy.typing import NDArray
 
-from gcodesim.arithmetic.matrices import greatest
 from gcodesim.frames import Array
 from gcodesim.frozen import frozen
 from gcodesim.motion.blend_kernels import CYCLE, KINK_SHARE
-
-if TYPE_CHECKING:
-    from gcodesim.planning.arm_kernels import SegmentRates
+from gcodesim.planning.arm_kernels import SegmentRates, kink_caps
 
 
 @frozen(kw_only=False, eq=False)
@@ -36,12 +31,5 @@ class Kinks:
         cap, left = np.full(len(end), np.inf), np.ones(len(end))
         if not here.any():
             return Kinks(cap, left)
-        at = np.flatnonzero(here)
-        step = np.abs(rates.start[at + 1] * ratio[at, None] - rates.end[at])
-        share = greatest(step / acceleration) / CYCLE  # of the acceleration, for each m/s
-        sharp = share * end[at] > KINK_SHARE
-        cap[at[sharp]] = KINK_SHARE / share[sharp]
-        taken = 1.0 - np.minimum(share * end[at], KINK_SHARE)
-        for segment in (at, at + 1):
-            left[segment] = np.minimum(left[segment], taken)
+        kink_caps(rates, end, ratio, here, acceleration, CYCLE, KINK_SHARE, cap, left)
         return Kinks(cap, left)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import field, replace
 from typing import TYPE_CHECKING, Final
 
@@ -20,6 +20,7 @@ from gcodesim.planning.moments import OnPiece
 
 if TYPE_CHECKING:
     from gcodesim.motion.tool_path import ToolPath
+    from gcodesim.planning.arm_kernels import SegmentRates
     from gcodesim.planning.grips import Grip
     from gcodesim.planning.load_kernels import Needs
 
@@ -113,28 +114,56 @@ class Loads:
         """Whether there is a limit and a mass."""
         return bool(np.isfinite(self.limit).any()) and any(link.inertial is not None for link in self.chain.links)
 
-    def ample(self, tool: NDArray[np.int64], qd: Array, qdd: Array) -> NDArray[np.bool_]:
+    def ample(self, tool: NDArray[np.int64], static: Array, qd: Array, qdd: Array) -> NDArray[np.bool_]:
         """Where (n,) motors surely have what motions need with `tool` (n,), of no greater qd and qdd (n, j).
 
-        There `slowing` would say 1 for each of these motions and for what is between them and rest.
+        There `slowing` would say 1 for each of these motions and for what is between them and rest. `static` (n, j) are
+        the efforts at rest.
         """
         from gcodesim.planning.load_kernels import ample_motions
 
+        weight, qd, qdd = ROUNDING * static, np.ascontiguousarray(qd), np.ascontiguousarray(qdd)
+
+        def ask(bounds: EffortBounds, found: NDArray[np.uint8]) -> None:
+            ample_motions(weight, qd, qdd, self._needs(bounds), found)
+
+        return self._within_bounds(tool, ask)
+
+    def ample_anywhere(
+        self, tool: NDArray[np.int64], rates: SegmentRates, length: Array, speed: Array, most: Array, *, at_end: bool
+    ) -> NDArray[np.bool_]:
+        """The same of segments (n,) of `length` (n,) at their ends or where they begin, wherever the arm stands there.
+
+        They are run at `speed` (n,) at most and with accelerations of no more than `most` (n,).
+        """
+        from gcodesim.planning.load_kernels import ample_segments
+
+        room = np.empty((2, rates.start.shape[1]))
+
+        def ask(bounds: EffortBounds, found: NDArray[np.uint8]) -> None:
+            weight = ROUNDING * norm(self.gravity) * bounds.weight
+            ample_segments(rates, length, speed, most, at_end, weight, self._needs(bounds), room, found)
+
+        return self._within_bounds(tool, ask)
+
+    def _within_bounds(
+        self, tool: NDArray[np.int64], ask: Callable[[EffortBounds, NDArray[np.uint8]], None]
+    ) -> NDArray[np.bool_]:
+        """Where (n,) what is asked with the bounds of the `tool` (n,) is 1; nowhere with tools that have none."""
         ample, found = np.zeros(len(tool), dtype=bool), np.empty(len(tool), dtype=np.uint8)
         for number in distinct(tool).tolist():
             bounds = None if number in self.pushes else effort_bounds(self.chain, self.tools.get(number))
             if bounds is not None:
-                ample_motions(np.ascontiguousarray(qd), np.ascontiguousarray(qdd), self._needs(bounds), found)
+                ask(bounds, found)
                 ample |= (tool == number) & (found == 1)
         return ample
 
     def _needs(self, bounds: EffortBounds) -> Needs:
-        """What motions need at most within `bounds`, friction and rotors too."""
+        """What motions need at most within `bounds` besides weight, friction and rotors too."""
         from gcodesim.planning.load_kernels import Needs
 
         own, none = self.motors, np.zeros(len(self.limit))
         return Needs(
-            weight=ROUNDING * norm(self.gravity) * bounds.weight,
             inertia=ROUNDING * bounds.inertia,
             swing=ROUNDING * bounds.swing,
             coulomb=none if own is None else own.coulomb,

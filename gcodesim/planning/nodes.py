@@ -95,7 +95,7 @@ class Nodes:
     def refined(self, q: Array) -> Nodes | None:
         """More nodes where joints `q` (k, j) move far between two of them; None if they do nowhere."""
         i = self.segments
-        step = greatest(np.abs(q[i] - q[i - 1])) if len(i) else np.zeros(0)
+        step = greatest(np.abs(np.diff(q, axis=0)))[i - 1] if len(i) else np.zeros(0)
         return self.split(np.ceil(step / STEP))
 
     def denser(self, chain: int, count: int) -> Nodes:

@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicHermiteSpline
 
-from gcodesim.planning.arm_kernels import JointCaps, SegmentRates, hurry_shares, joint_caps, joint_rates
+from gcodesim.motion.blend_kernels import CYCLE, KINK_SHARE
+from gcodesim.planning.arm_kernels import JointCaps, SegmentRates, hurry_shares, joint_caps, joint_rates, mean_rates
+from gcodesim.planning.kinks import Kinks
 
 
 @pytest.mark.parametrize("count", [6, 7])
@@ -65,6 +67,38 @@ def test_caps_keep_speed_and_acceleration_of_every_joint() -> None:
 def bend_ends(cubics: list[CubicHermiteSpline], length: np.ndarray) -> np.ndarray:
     """By how much q'' (n, j) differs between both ends."""
     return np.array([cubic(h, 2) - cubic(0.0, 2) for cubic, h in zip(cubics, length, strict=True)])
+
+
+def test_mean_rates_are_differences_of_joints_where_these_say_something() -> None:
+    rng = np.random.default_rng(2)
+    q, ends = rng.normal(size=(12, 6)), np.array([1, 2, 3, 6, 7, 11])
+    start, end, mean = rng.normal(size=(6, 6)), rng.normal(size=(6, 6)), np.empty((6, 6))
+    length = np.array([0.1, 1e-6, 0.03, 2e-6, 1e-7, 0.2])
+
+    mean_rates(q, ends, length, 1e-6, SegmentRates(start, end, mean))
+
+    expected = (q[ends] - q[ends - 1]) / length[:, None]
+    near = length <= 1e-6
+    expected[near] = 0.5 * (start[near] + end[near])
+    assert np.array_equal(mean, expected)
+
+
+def test_a_kink_takes_a_share_of_the_acceleration_on_both_sides() -> None:
+    rng = np.random.default_rng(5)
+    n, acceleration = 40, np.array([2.0, 3.0, 5.0])
+    rates = SegmentRates(rng.normal(size=(n, 3)), rng.normal(size=(n, 3)), np.zeros((n, 3)))
+    speed, ratio, here = rng.uniform(1e-6, 3e-4, n), rng.uniform(0.5, 2.0, n), rng.random(n - 1) < 0.5
+
+    kinks = Kinks.between(rates, speed, ratio, here, acceleration)
+
+    cap, left = np.full(n, np.inf), np.ones(n)
+    for k in np.flatnonzero(here):
+        share = (np.abs(rates.start[k + 1] * ratio[k] - rates.end[k]) / acceleration).max() / CYCLE
+        taken = min(share * speed[k], KINK_SHARE)
+        cap[k] = KINK_SHARE / share if share * speed[k] > KINK_SHARE else np.inf
+        left[k], left[k + 1] = min(left[k], 1.0 - taken), min(left[k + 1], 1.0 - taken)
+    assert np.array_equal(kinks.cap, cap) and np.array_equal(kinks.left, left)
+    assert 0 < np.isfinite(cap).sum() < here.sum()
 
 
 def test_shares_of_hurry_are_those_of_the_quickest_way_from_rest_to_rest() -> None:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from gcodesim.planning.arm_kernels import SegmentRates, hold_rates
-from gcodesim.planning.load_kernels import Needs, ample_motions, motions_at
+from gcodesim.planning.load_kernels import Needs, ample_motions, ample_segments, motions_at
 
 COUNT, JOINTS = 40, 6
 
@@ -42,18 +42,35 @@ def test_motions_are_those_of_the_cubic(at_end: bool) -> None:
 
 def test_ample_motions_are_those_within_the_bounds() -> None:
     random = np.random.default_rng(2)
-    weight, swing, coulomb, viscous, rotor = random.uniform(0.0, 1.0, (5, JOINTS))
+    swing, coulomb, viscous, rotor = random.uniform(0.0, 1.0, (4, JOINTS))
+    weight = random.uniform(-1.0, 1.0, (500, JOINTS))
     inertia, limit = random.uniform(0.0, 0.3, (JOINTS, JOINTS)), random.uniform(4.0, 40.0, JOINTS)
     qd, qdd = random.normal(size=(2, 500, JOINTS))
     found = np.empty(500, dtype=np.uint8)
 
-    ample_motions(qd, qdd, Needs(weight, inertia, swing, coulomb, viscous, rotor, limit), found)
+    ample_motions(weight, qd, qdd, Needs(inertia, swing, coulomb, viscous, rotor, limit), found)
 
     moved, pushed = np.abs(qd), np.abs(qdd)
-    needed = weight + pushed @ inertia.T + moved.sum(axis=1)[:, None] ** 2 * swing
+    needed = np.abs(weight) + pushed @ inertia.T + moved.sum(axis=1)[:, None] ** 2 * swing
     needed += coulomb + viscous * moved + rotor * pushed
     assert 20 < found.sum() < 480
     assert np.array_equal(found == 1, (needed <= limit).all(axis=1))
+
+
+@pytest.mark.parametrize("at_end", [False, True])
+def test_ample_segments_are_those_whose_motions_are_ample(at_end: bool) -> None:
+    random = np.random.default_rng(6)
+    rates, length, speed, acceleration = drawn(4)
+    inertia, rest = random.uniform(0.0, 0.1, (JOINTS, JOINTS)), random.uniform(0.0, 0.1, (4, JOINTS))
+    needs = Needs(inertia, *rest, np.full(JOINTS, 6.0))
+    weight, found = random.uniform(0.0, 1.0, JOINTS), np.empty((2, COUNT), dtype=np.uint8)
+    qd, along, across = (np.empty((COUNT, JOINTS)) for _ in range(3))
+
+    ample_segments(rates, length, speed, acceleration, at_end, weight, needs, np.empty((2, JOINTS)), found[0])
+
+    motions_at(rates, length, speed, acceleration, at_end, qd, along, across)
+    ample_motions(np.tile(weight, (COUNT, 1)), qd, np.abs(along) + np.abs(across), needs, found[1])
+    assert np.array_equal(*found) and 0 < found[0].sum() < COUNT
 
 
 def test_rates_stay_near_the_mean_ones_around_them() -> None:

@@ -12,6 +12,7 @@ from gcodesim.arithmetic.matrices import applied
 from gcodesim.cell.loader import read_cell
 from gcodesim.diagnostics import Diagnostic, SourceText
 from gcodesim.jobs.job import Job
+from gcodesim.planning.arm_kernels import SegmentRates
 from gcodesim.planning.loads import Loads, Motors
 from gcodesim.planning.shop_posing import loads_of
 from gcodesim.simulation import prepare, run
@@ -186,17 +187,22 @@ def test_a_controller_of_an_arm_on_a_rail_has_values_for_its_own_joints() -> Non
     assert own.friction[job.shop.kinematics.joints.names.index("rail/U")] == 0.0
 
 
-@pytest.mark.parametrize("driven", [False, True])
-def test_where_motors_surely_have_enough_nothing_is_slowed(driven: bool) -> None:
-    """Of motions from gentle to far too quick, those called ample need no slowing when they are worked out."""
+@pytest.mark.parametrize(("driven", "here"), [(False, False), (True, False), (False, True), (True, True)])
+def test_where_motors_surely_have_enough_nothing_is_slowed(driven: bool, here: bool) -> None:
+    """Of motions from gentle to far too quick, those called ample need no slowing when they are worked out.
+
+    By what motors bear anywhere, or `here`, where the arm stands.
+    """
     job = job_of()
     own, q, random = loads(job), postures(job, 300), np.random.default_rng(3)
     if driven:
         own = replace(own, motors=Motors(coulomb=np.full(6, 0.5), viscous=np.full(6, 0.2), rotor=np.full(6, 0.02)))
     tool, size = np.ones(len(q), dtype=np.int64), np.linspace(0.0, 3.0, len(q))[:, None]
     qd, qdd = size * random.normal(size=q.shape), 8.0 * size * random.normal(size=q.shape)
-    ample = own.ample(tool, qd, qdd)
     static, ahead, behind = own.efforts(tool, q, (0.0, 0.0), (qd, qdd), (qd, -qdd))
+    rates, one = SegmentRates(qd, qd + qdd, qd + 0.5 * qdd), np.ones(len(q))
+    anywhere = own.ample_anywhere(tool, rates, one, one, 0.0 * one, at_end=False)
+    ample = own.ample(tool, static, qd, qdd) if here else anywhere
     feeds = np.ones(len(q), dtype=bool)
     slowing = own.slowing((tool, size[:, 0]), static, ahead, behind, reserve=own.reserve(tool, q, qd, feeds))
     assert 10 < ample.sum() < len(q)
@@ -207,4 +213,4 @@ def test_where_motors_surely_have_enough_nothing_is_slowed(driven: bool) -> None
 
 def test_what_pushes_on_a_tool_is_always_worked_out() -> None:
     own, still = loads(job_of(tool=", expected_force: 1 N")), np.zeros((2, 6))
-    assert own.ample(np.array([0, 1]), still, still).tolist() == [True, False]
+    assert own.ample(np.array([0, 1]), still, still, still).tolist() == [True, False]
