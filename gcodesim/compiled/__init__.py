@@ -18,9 +18,12 @@ from typing import Any, Final, TypeVar, cast, overload
 
 F = TypeVar("F", bound=Callable[..., Any])
 
-# A call about this many rows is interpreted, where a kernel allows it: some 50 µs per row, while loading
+# A call about this many rows is interpreted, where a kernel allows it: 3 to 50 µs per row, while loading
 # machine code for the first time takes 0.05 s.
 SHORT: Final = 256
+
+# When so many rows have been interpreted, many short calls have cost what loading costs: from then on nothing is.
+ENOUGH: Final = 1 << 14
 
 # called before a kernel is compiled, so that nobody has to wait in silence; it gets the kernel's signature and the
 # reason why code cannot be kept, empty if it can. It may compile this kernel and others into the cache.
@@ -31,8 +34,8 @@ class Kernel:
     """A function of arrays and scalars that is compiled when it is called first.
 
     A `short` kernel gets as many rows as its first argument is long, or the
-    first of its columns, and is interpreted when they are few. That depends on
-    nothing but the arguments, so equal input takes the same way in every process.
+    first of its columns, and is interpreted when they are few, and few in all
+    calls of the process before. Both ways give the same bits.
 
     A `lean` kernel makes no array of its own, and no two of its arguments share
     memory that it writes. So it is compiled without reference counting, which is
@@ -44,6 +47,9 @@ class Kernel:
     An `inlined` kernel becomes a part of each kernel that calls it: a section of a long one that has a name of its own
     for the reader. Where many arrays would have to be handed on, a call costs more than the work of a short kernel.
     """
+
+    rows_interpreted = 0
+    """By all kernels of this process."""
 
     def __init__(
         self, function: Callable[..., Any], *, short: bool = False, lean: bool = False, inlined: bool = False
@@ -59,7 +65,8 @@ class Kernel:
         self._entry: Callable[..., Any] = _no_entry
 
     def __call__(self, *arguments: Any) -> Any:
-        if self.short and _rows(arguments[0]) <= SHORT:
+        if self.short and Kernel.rows_interpreted < ENOUGH and (rows := _rows(arguments[0])) <= SHORT:
+            Kernel.rows_interpreted += rows
             return self.interpreted(*arguments)
         result = self._entry(*arguments)
         return self._first_call(arguments) if result is NotImplemented else result

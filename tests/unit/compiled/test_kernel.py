@@ -125,7 +125,8 @@ def test_short_calls_have_the_bits_of_the_compiled_kernel(monkeypatch: pytest.Mo
     assert seen == set(short_kernels())
 
 
-def test_few_rows_are_interpreted_and_many_are_compiled() -> None:
+def test_few_rows_are_interpreted_and_many_are_compiled(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(Kernel, "rows_interpreted", 0)
     ways = []
 
     def watched(way: str, function: Callable[..., Any]) -> Callable[..., Any]:
@@ -141,7 +142,23 @@ def test_few_rows_are_interpreted_and_many_are_compiled() -> None:
     assert ways == ["plain", "plain", "compiled"]
 
 
-def test_rows_of_a_tuple_are_those_of_its_columns() -> None:
+def test_many_short_calls_are_compiled_in_the_end(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Whichever kernels they are of."""
+    monkeypatch.setattr(Kernel, "rows_interpreted", 0)
+    one, other = (Kernel(doubled.py_func, short=True) for _ in range(2))  # type: ignore[attr-defined]
+    ways = []
+    for each in (one, other):
+        each.__dict__ |= {"_entry": lambda x, out: ways.append("compiled"), "interpreted": lambda x, out: None}
+    calls = compiled.ENOUGH // 8
+    for _ in range(calls):
+        one(np.ones(8), np.zeros(8))
+    assert not ways
+    other(np.ones(8), np.zeros(8))
+    assert ways == ["compiled"]
+
+
+def test_rows_of_a_tuple_are_those_of_its_columns(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(Kernel, "rows_interpreted", 0)
     one = Kernel(doubled.py_func, short=True)  # type: ignore[attr-defined]
     one.__dict__ |= {"_entry": lambda columns: "compiled", "interpreted": lambda columns: "plain"}
     assert one((np.ones(compiled.SHORT), np.ones(1))) == "plain"
