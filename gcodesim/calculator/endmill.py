@@ -5,6 +5,8 @@ from __future__ import annotations
 from math import pi
 from typing import TYPE_CHECKING, Any, ClassVar
 
+import numpy as np
+
 from gcodesim.arithmetic.matrices import norms
 from gcodesim.calculator.law_keys import CutModel
 from gcodesim.calculator.model import CannotComputeError, Result, Value
@@ -219,11 +221,11 @@ class EndMill(CutModel):
             }  # fmt: skip
             if isinstance(law, Kienzle):
                 found["handbook_power"] = handbook_power(law, cutter, cut, kappa)
-        for theta in self.theta:
-            force, torque = instantaneous_forces(cutter, law, cut, theta, kappa, run_out)
+        forces, torques = instantaneous_forces(cutter, law, cut, np.array(self.theta), kappa, run_out)
+        for theta, force, size, torque in zip(self.theta, forces, norms(forces), torques, strict=True):
             at = f"{theta / DEG:.10g}"
             found |= {f"F{axis}_theta{at}": float(force[i]) for i, axis in enumerate("xyz")}
-            found |= {f"F_theta{at}": float(norms(force[None])[0]), f"torque_theta{at}": torque}
+            found |= {f"F_theta{at}": float(size), f"torque_theta{at}": float(torque)}
         return found
 
     def turn(self) -> OneTurn:

@@ -20,6 +20,8 @@ from numpy.typing import NDArray
 
 from gcodesim.arithmetic.elementary import acos, asin, cos, cos_sin, power, sin, tan
 from gcodesim.frozen import frozen
+from gcodesim.processes import constant_cut_kernels as k
+from gcodesim.processes.constant_cut_kernels import COLUMNS, SUMS, add_elements
 from gcodesim.processes.drill_point import chisel_push, edge_law
 from gcodesim.processes.laws import Kienzle, Law
 from gcodesim.processes.uneven import senses_of
@@ -105,7 +107,7 @@ class CutForces:
 
 @frozen(eq=False)
 class _Nodes:
-    """Nodes along an edge: radius, height [m], kappa [rad], width b [m] (weights of the quadrature included)."""
+    """Nodes (n,) along an edge: radius, height [m], kappa [rad], width b [m] (weights of the quadrature included)."""
 
     r: Array
     z: Array
@@ -121,8 +123,14 @@ def _legendre(count: int) -> tuple[Array, Array]:
 
 def _quadrature(a: float, b: float, count: int) -> tuple[Array, Array]:
     """Gauss-Legendre nodes and weights on [a, b]."""
+    return _quadratures(np.array([a]), np.array([b]), count)
+
+
+def _quadratures(a: Array, b: Array, count: int) -> tuple[Array, Array]:
+    """Nodes and weights on each of the stretches from a to b (m,), one stretch after another (m count,)."""
     x, w = _legendre(count)
-    return 0.5 * (b - a) * x + 0.5 * (a + b), 0.5 * (b - a) * w
+    half, middle = 0.5 * (b - a)[:, None], 0.5 * (a + b)[:, None]
+    return (half * x + middle).reshape(-1), (half * w).reshape(-1)
 
 
 def _pieces(cutter: Cutter, ap: float, lead_angle: float | None) -> Iterator[tuple[Array, float, float]]:
@@ -149,13 +157,18 @@ def _whole_pieces(cutter: Cutter, ap: float, lead_angle: float | None) -> Iterat
 
 
 def _between(row: Array, z0: float, z1: float, lead_angle: float | None) -> _Nodes:
-    """Nodes on the part z0..z1 [m] of one piece; db = dz / sin(kappa), on arcs db = radius dkappa."""
+    """Nodes on the part z0..z1 [m] of one piece."""
+    return _between_all(row, np.array([z0]), np.array([z1]), lead_angle)
+
+
+def _between_all(row: Array, z0: Array, z1: Array, lead_angle: float | None) -> _Nodes:
+    """Nodes on parts z0..z1 (m,) [m] of one piece, one after another; db = dz / sin(kappa), on arcs radius dkappa."""
     if row[0] > 0.0:
-        ends = [acos(min(max((row[2] - z) / row[0], -1.0), 1.0)) for z in (z0, z1)]
-        kappa, w = _quadrature(ends[0], ends[1], _HEIGHT_NODES)
+        ends = [acos(np.clip((row[2] - z) / row[0], -1.0, 1.0)) for z in (z0, z1)]
+        kappa, w = _quadratures(ends[0], ends[1], _HEIGHT_NODES)
         cosine, sine = cos_sin(kappa)
         return _Nodes(r=row[1] + row[0] * sine, z=row[2] - row[0] * cosine, kappa=kappa, b=row[0] * w)
-    z, w = _quadrature(z0, z1, _HEIGHT_NODES)
+    z, w = _quadratures(z0, z1, _HEIGHT_NODES)
     kappa = np.full_like(z, row[3])
     slope = 0.0 if lead_angle is not None else cos(float(row[3])) / sin(float(row[3]))
     return _Nodes(r=row[1] + (z - row[2]) * slope, z=z, kappa=kappa, b=w / sin(float(row[3])))
@@ -206,8 +219,6 @@ def _elements(
 
     `along`: chips are as thick already as the edge is fed along its normal.
     """
-    from gcodesim.processes import constant_cut_kernels as k
-
     out = np.empty((*chip.shape, k.COLUMNS))
     cos_phi, sin_phi = cos_sin(np.ascontiguousarray(phi))
     cos_kappa, sin_kappa = cos_sin(nodes.kappa)
@@ -222,8 +233,6 @@ def _elements(
 
 def _summed(law: Law, parts: list[Array]) -> tuple[Array, float]:
     """Force (3,) in K and torque of all elements."""
-    from gcodesim.processes.constant_cut_kernels import COLUMNS, SUMS, add_elements
-
     sums = np.zeros(SUMS)
     elements = np.concatenate(parts) if parts else np.zeros((0, COLUMNS))
     add_elements(np.ascontiguousarray(elements), law.packed, sums)
@@ -234,28 +243,41 @@ def instantaneous_forces(
     cutter: Cutter,
     law: Law,
     cut: ConstantCut,
-    theta: float,
+    theta: Array,
     lead_angle: float | None = None,
     run_out: RunOut | None = None,
-) -> tuple[Array, float]:
-    """Force (3,) [N] in K and torque [N·m] with tooth 0 at `theta` [rad] at the tip.
+) -> tuple[Array, Array]:
+    """Forces (n, 3) [N] in K and torques (n,) [N·m] with tooth 0 at angles `theta` (n,) [rad] at the tip.
 
     A tooth lags by 2 z tan(helix) / D at height z; each stretch of edge between the limits of contact is integrated
     on its own. lead_angle [rad]: kappa of an edge at constant radius, instead of the cutter's own outline.
     """
     start, end = cut.limits(cutter.diameter)
     at = starts_of(cutter)
-    parts: list[Array] = []
+    parts, whose = [np.zeros((0, COLUMNS))], [np.zeros(0, dtype=np.int64)]  # elements, and of which angle each is
     for row, z0, z1 in _pieces(cutter, cut.ap, lead_angle):
         for tooth in range(cutter.flutes):
-            tip = theta + float(at[tooth])
             late, lag = _lag(cutter, tooth, 0.5 * (z0 + z1))
-            for a, b in _contacts(tip - late, lag, start, end, z0, z1):
-                nodes = _between(row, a, b, lead_angle)
-                phi = np.ascontiguousarray(tip - late - lag * nodes.z)
-                chip = _uncut(cutter, cut, run_out, tooth, nodes.z, sin(phi))
-                parts.append(_elements(nodes, nodes.b, phi, chip, senses_of(cutter, nodes.z)))
-    return _summed(edge_law(cutter, law), parts)
+            tips = theta + float(at[tooth]) - late
+            found = [
+                (i, a, b) for i, tip in enumerate(tips.tolist()) for a, b in _contacts(tip, lag, start, end, z0, z1)
+            ]
+            if not found:
+                continue
+            of_stretch = np.array([i for i, _, _ in found])
+            low, high = np.array([(a, b) for _, a, b in found]).T
+            nodes = _between_all(row, low, high, lead_angle)
+            of_node = np.repeat(of_stretch, _HEIGHT_NODES)
+            phi = tips[of_node] - lag * nodes.z
+            chip = _uncut(cutter, cut, run_out, tooth, nodes.z, sin(phi))
+            parts.append(_elements(nodes, nodes.b, phi, chip, senses_of(cutter, nodes.z)))
+            whose.append(of_node)
+    angles = np.concatenate(whose)
+    order = np.argsort(angles, kind="stable")
+    elements, bounds = np.concatenate(parts)[order], np.searchsorted(angles[order], np.arange(len(theta) + 1))
+    law = edge_law(cutter, law)
+    sums = [_summed(law, [elements[a:b]]) for a, b in pairwise(bounds.tolist())]
+    return np.array([force for force, _ in sums]).reshape(-1, 3), np.array([torque for _, torque in sums])
 
 
 def _contacts(tip: float, lag: float, start: float, end: float, z0: float, z1: float) -> Iterator[tuple[float, float]]:
@@ -293,10 +315,8 @@ def revolution(
 ) -> OneTurn:
     """One revolution, at `angles` even steps."""
     theta: Array = np.arange(angles, dtype=np.float64) * (2.0 * pi / angles)
-    found = [instantaneous_forces(cutter, law, cut, float(angle), lead_angle, run_out) for angle in theta]
-    return OneTurn(
-        angle=theta, force=np.array([force for force, _ in found]), torque=np.array([torque for _, torque in found])
-    )
+    force, torque = instantaneous_forces(cutter, law, cut, theta, lead_angle, run_out)
+    return OneTurn(angle=theta, force=force, torque=torque)
 
 
 def end_mill_forces(
@@ -332,18 +352,18 @@ def end_mill_forces(
     feed = cut.feed_per_tooth * cutter.flutes * cut.spindle / (2.0 * pi)
     peak_force, peak, peak_torque = np.zeros(3), 0.0, 0.0
     if peaks and end > start and cut.ap > 0.0:
-        for theta in _peak_angles(cutter, cut, _differ(cutter, run_out)):
-            now, moment = instantaneous_forces(cutter, law, cut, theta, lead_angle, run_out)
-            peak_force = np.maximum(peak_force, np.abs(now))
-            peak = max(peak, float(np.sqrt((now * now).sum())))
-            peak_torque = max(peak_torque, moment)
+        theta = _peak_angles(cutter, cut, _differ(cutter, run_out))
+        now, moment = instantaneous_forces(cutter, law, cut, theta, lead_angle, run_out)
+        peak_force = np.abs(now).max(axis=0)
+        peak = float(np.sqrt((now * now).sum(axis=1)).max())
+        peak_torque = max(float(moment.max()), 0.0)
     return CutForces(
         force=force, torque=torque, power=torque * cut.spindle, mrr=section * feed,
         peak_force=peak_force, peak=peak, peak_torque=peak_torque,
     )  # fmt: skip
 
 
-def _peak_angles(cutter: Cutter, cut: ConstantCut, whole_turn: bool) -> list[float]:
+def _peak_angles(cutter: Cutter, cut: ConstantCut, whole_turn: bool) -> Array:
     """Angles of tooth 0 [rad] at which peaks are looked for: over one pitch, and beside those of entry and exit.
 
     A tooth that comes in may also lower a component of the force: then the most is what the others give just before.
@@ -359,7 +379,7 @@ def _peak_angles(cutter: Cutter, cut: ConstantCut, whole_turn: bool) -> list[flo
             limit + aside + lag for limit in (start, end) for aside in (-1e-9, 1e-9) for lag in late[tooth].tolist()
         ]
         found += [angle + tooth * pitch for angle in even] + [angle - at for angle in corners]
-    return found
+    return np.array(found)
 
 
 def tooth_chips(

@@ -64,33 +64,26 @@ def steps_of_a_turn(tool, law, cut, slices=40, angles=720, turns=3):
     step = 2 * math.pi / angles
     surface = np.full((angles, slices), -1.0)  # farthest radius beyond R, less the feed, that a tooth has had there
     force, most = np.zeros((angles, 3)), np.zeros(4)
+    (kt, pt, et), (kn, pn, en), (ka, pa, ea) = law.packed
+    at = starts[:, None] - late  # of four teeth in all slices: no two of them are at one place of the surface at a time
+    grown, slice_ = out * np.cos(tool.runout_angle - at), np.arange(slices)
     for turn in range(turns):
         for i in bins:
             fed = 4 * CHIP * (turn + i / angles)
-            for tooth in range(4):
-                at = starts[tooth] - late[tooth]
-                phi = (i * step + at) % (2 * math.pi)
-                k = np.round(phi / step).astype(int) % angles
-                reach = out * np.cos(tool.runout_angle - at) + fed * np.sin(k * step)
-                chip = np.maximum(reach - surface[k, np.arange(slices)], 0.0)
-                surface[k, np.arange(slices)] = np.maximum(reach, surface[k, np.arange(slices)])
-                inside = (k * step >= first) & (k * step <= last)
-                if turn < turns - 1:
-                    continue
-                cuts = inside & (chip > 0.0)
-                most[tooth] = max(most[tooth], chip[cuts].max(initial=0.0))
-                (kt, pt, et), (kn, pn, en), (ka, pa, ea) = law.packed
-                ft = np.where(cuts, kt * chip**pt + et, 0.0)
-                fn = np.where(cuts, kn * chip**pn + en, 0.0)
-                fa = np.where(cuts, ka * chip**pa + ea, 0.0) * sense
-                angle = k * step
-                force[i] += dz * np.array(
-                    [
-                        (-ft * np.cos(angle) - fn * np.sin(angle)).sum(),
-                        (ft * np.sin(angle) - fn * np.cos(angle)).sum(),
-                        -fa.sum(),
-                    ]
-                )
+            k = np.round(((i * step + at) % (2 * math.pi)) / step).astype(int) % angles
+            reach = grown + fed * np.sin(k * step)
+            left = surface[k, slice_]
+            chip = np.maximum(reach - left, 0.0)
+            surface[k, slice_] = np.maximum(reach, left)
+            if turn < turns - 1:
+                continue
+            cuts = (k * step >= first) & (k * step <= last) & (chip > 0.0)
+            most = np.maximum(most, np.where(cuts, chip, 0.0).max(axis=1))
+            ft = np.where(cuts, kt * chip**pt + et, 0.0)
+            fn = np.where(cuts, kn * chip**pn + en, 0.0)
+            fa = np.where(cuts, ka * chip**pa + ea, 0.0) * sense
+            sine, cosine = np.sin(k * step), np.cos(k * step)
+            force[i] = dz * np.array([(-ft * cosine - fn * sine).sum(), (ft * sine - fn * cosine).sum(), -fa.sum()])
     return force, most
 
 
