@@ -102,7 +102,7 @@ def handled(handler: Callable[[int, FrameType | None], None] | None = None) -> I
         if not isinstance(what.exc_value, Interrupted):
             passed_over(what)
             return
-        timer = threading.Timer(_AGAIN_S, _thread.interrupt_main, [what.exc_value.number])
+        timer = threading.Timer(_AGAIN_S, _signal_to_main_thread, [what.exc_value.number])
         timer.daemon = True
         timer.start()
 
@@ -117,3 +117,12 @@ def handled(handler: Callable[[int, FrameType | None], None] | None = None) -> I
         sys.unraisablehook = passed_over
         for number, known in before.items():
             signal.signal(number, known)
+
+
+def _signal_to_main_thread(number: int) -> None:
+    """As from outside, so that it also ends what the main thread waits for."""
+    main = threading.main_thread().ident
+    if hasattr(signal, "pthread_kill") and main is not None:
+        signal.pthread_kill(main, number)
+    else:  # Windows
+        _thread.interrupt_main(signal.Signals(number))
