@@ -14,7 +14,7 @@ from gcodesim.observation.spectator import Spectator
 from gcodesim.world.window import BodyWindow
 
 if TYPE_CHECKING:
-    from gcodesim.executor.track import Watcher
+    from gcodesim.executor.watcher import Watcher
     from gcodesim.jobs.job import Job
 
 _PAUSE: Final = 0.03  # [s] between two looks at the mouse

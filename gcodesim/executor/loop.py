@@ -9,23 +9,18 @@ from typing import TYPE_CHECKING, Final
 
 from gcodesim.executor.ahead import CutThread, WindowCut
 from gcodesim.executor.behind import Behind
+from gcodesim.executor.execution import Execution, Progress
 from gcodesim.executor.halt import RunHalt
 from gcodesim.executor.made_by import passes_of
 from gcodesim.executor.pacing import Pacing
 from gcodesim.executor.part_run import PartRun
 from gcodesim.executor.record import StepRecord
 from gcodesim.executor.stock_change import add_changes
-from gcodesim.executor.track import (
-    Execution,
-    Inspect,
-    Progress,
-    Track,
-    TrackPlan,
-    Watcher,
-    Windows,
-)
+from gcodesim.executor.track import Inspect, Track, TrackPlan
+from gcodesim.executor.watcher import Watcher
 from gcodesim.executor.weave import Weave
 from gcodesim.executor.window_motion import move_through
+from gcodesim.executor.window_order import Windows
 from gcodesim.shop import Shop
 from gcodesim.tools.gripper import Gripper
 

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from copy import copy
-from dataclasses import field, replace
-from itertools import combinations
+from dataclasses import replace
 from operator import is_
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -16,110 +15,37 @@ from gcodesim.diagnostics import Diagnostic
 from gcodesim.executor.accuracy import PathAccuracy
 from gcodesim.executor.ahead import WindowCut
 from gcodesim.executor.coupling import Coupling, Stretch
+from gcodesim.executor.execution import Execution
 from gcodesim.executor.freeing import Freed
 from gcodesim.executor.made_by import add_passes
-from gcodesim.executor.part_run import PartEnd, PartRun, laden
+from gcodesim.executor.part_run import PartRun, laden
 from gcodesim.executor.probe_guard import ProbeGuard
 from gcodesim.executor.record import StepRecord, record_of
-from gcodesim.executor.stint import Stint
 from gcodesim.executor.stock_change import StockChange, add_changes
 from gcodesim.executor.switching import Switching
 from gcodesim.executor.tasks import Only, RowColumns
 from gcodesim.executor.tip_swings import TipSwings
 from gcodesim.executor.totals import JointTotals, RowTotals
-from gcodesim.executor.weave import Weave
 from gcodesim.executor.window import Carry, Ints, StepWindow, first_carry, window_of
 from gcodesim.frames import Array, Pose
 from gcodesim.frozen import frozen
 from gcodesim.processes.gripping import GRIP, GripEvent
-from gcodesim.scene import PartChange, Stay
+from gcodesim.scene import PartChange
 from gcodesim.shop import Shop
 from gcodesim.solids.mass import MassOfSkin
 from gcodesim.world import RobotBody, World, WorldSteps, open_world, tool_body, usual_controller
 
 if TYPE_CHECKING:
     from gcodesim.checks.stock_watch import StockWatch
-    from gcodesim.executor.loose_bodies import LooseBodies, LooseBody
+    from gcodesim.executor.loose_bodies import LooseBodies
     from gcodesim.executor.pacing import Pacing
+    from gcodesim.executor.watcher import Watcher
     from gcodesim.material.passes import Passes
     from gcodesim.planning import Plan
 
 
-@frozen
-class Progress:
-    """How far a run has come: steps done and in all, simulated time [s], path row."""
-
-    step: int
-    steps: int
-    time: float
-    row: int
-
-
 Inspect = Callable[[StepRecord, RowTotals, JointTotals], Sequence[Diagnostic]]
 """Looks at each window and the totals so far; answers findings that are new."""
-
-
-class Watcher(Protocol):
-    """Who wants to see every window: the log."""
-
-    def start(self, world_steps: WorldSteps, window: StepWindow) -> None:
-        """The state before the first step, as a window of one step that does not move."""
-
-    def look(self, window: StepWindow) -> Any:
-        """Look at the stocks as `window` leaves them; in the thread that cuts, before the next window is cut.
-
-        The result is handed to `take`, unless the cut is undone; then `look` is called again.
-        """
-
-    def take(self, record: StepRecord, found: Sequence[Diagnostic], seen: Any) -> Callable[[], None]:
-        """The next window, the findings that came up in it, and what `look` saw at its end.
-
-        Returns work that needs nothing else; it is done in order, in another thread, while the next window runs.
-        """
-
-    def follow(self, plan: Plan) -> None:
-        """The run goes on with a leg; `plan` is that of all legs so far. Done in order with the work from `take`."""
-
-    @property
-    def interval_steps(self) -> int:
-        """The number of steps after which the watcher wants to look at the stock."""
-
-    def stops(self, plans: Sequence[Plan], first: int, last: int) -> Sequence[int]:
-        """Steps, first < step < last, with which a window has to end, because something is to be seen there.
-
-        `plans` are those of all channels; the steps from `first` to `last` are about to be run.
-        """
-
-
-@frozen(eq=False)
-class Execution:
-    """The outcome of a run. `interrupted`: somebody stopped it after `steps` of `planned` steps.
-
-    `parts` is what became of parts, `stays` where they have been, `late_grips` what happened to them after the last
-    step.
-    `changes` says what was done to each stock. `others`: the same of further channels.
-    `passes` at each stock, of all channels, where there is a target.
-    `accuracy`: how far the tip was off its path; None where neither gears nor controllers let it. `swings`: how its tip
-    swung while it cut; None where gears do not move. `freed` are the pieces that came loose, in order, and `loose` what
-    became of those of all channels, where the world is an engine.
-    """
-
-    rows: RowTotals
-    joints: JointTotals
-    steps: int
-    planned: int
-    last_row: int
-    interrupted: bool
-    changes: Mapping[str, StockChange] = field(default_factory=dict)
-    parts: Mapping[str, PartEnd] = field(default_factory=dict)
-    stays: Sequence[Stay] = ()
-    late_grips: tuple[GripEvent, ...] = ()
-    others: Sequence[Execution] = ()
-    passes: Mapping[str, Passes] = field(default_factory=dict)
-    accuracy: PathAccuracy | None = None
-    swings: TipSwings | None = None
-    freed: Sequence[Freed] = ()
-    loose: Sequence[LooseBody] = ()
 
 
 @frozen(eq=False)
@@ -398,74 +324,6 @@ class Track:
         )
 
 
-class Windows:
-    """The windows of all tracks from tick `first` of a leg on, in the order of cutting; `steps` are the ticks of each.
-
-    Where tools come near each other in one target, the windows of these steps are cut together, or are divided, so that
-    cuts go by steps: otherwise it does not matter who cuts first.
-    """
-
-    def __init__(self, tracks: Sequence[Track], first: int, steps: Iterable[Ints]) -> None:
-        self._tracks, self._steps = tracks, iter(steps)
-        self._carries = [track.carry(first) for track in tracks]
-        self._divided: list[Ints] = []
-        self._now: list[tuple[Track, WindowCut]] = []
-        self._ticks: Ints = np.zeros(0, dtype=np.int64)
-        self._restore: Callable[[], None] = _do_nothing
-
-    def __iter__(self) -> Iterator[tuple[Track, WindowCut]]:
-        return self
-
-    def __next__(self) -> tuple[Track, WindowCut]:
-        while not self._now:
-            self._ticks = self._divided.pop() if self._divided else next(self._steps)
-            cuts = self._cuts()
-            if not self._come_near(cuts):
-                pass
-            elif Weave.fits(cuts) and all(track.world.keeps_to_command for track in self._tracks):
-                weave = Weave(cuts)
-                for cut in cuts:
-                    cut.weave = weave
-            else:
-                self.divide()
-                continue
-            self._now = list(zip(self._tracks, cuts, strict=True))
-        return self._now.pop(0)
-
-    def divide(self) -> None:
-        """Go on with the first half of the steps that came last, then with the second; none of them has been run."""
-        ticks, half = self._ticks, len(self._ticks) // 2
-        self._restore()
-        self._now.clear()
-        self._divided += [ticks[half:], ticks[: half + 1]]
-
-    def _cuts(self) -> list[WindowCut]:
-        tracks, carries, last = self._tracks, self._carries, len(self._tracks) - 1
-        if last:
-            self._restore = self._saved()
-        windows = [track.window(self._ticks, carry) for track, carry in zip(tracks, carries, strict=True)]
-        for track, window in zip(tracks, windows, strict=True):
-            for other, theirs in zip(tracks, windows, strict=True):
-                if other is not track:
-                    window.others[other.shop.name], window.others_begin[other.shop.name] = theirs.q, theirs.q_begin
-        both = zip(tracks, windows, strict=True)
-        return [track.cut(window, looks=number == last) for number, (track, window) in enumerate(both)]
-
-    def _come_near(self, cuts: Sequence[WindowCut]) -> bool:
-        return len(self._ticks) > 2 and any(_near(one, other) for one, other in combinations(cuts, 2))
-
-    def _saved(self) -> Callable[[], None]:
-        """Remember how far the windows are; calling the result restores it."""
-        kept, tracks = [copy(carry) for carry in self._carries], [track.save() for track in self._tracks]
-
-        def restore() -> None:
-            self._carries = kept
-            for track in tracks:
-                track()
-
-        return restore
-
-
 def robot_body(shop: Shop, world_name: str) -> RobotBody:
     """The machine of a shop as a world of this name moves it."""
     return RobotBody(
@@ -474,37 +332,6 @@ def robot_body(shop: Shop, world_name: str) -> RobotBody:
         stiffness=None if shop.stiffness is None else tuple(shop.stiffness.tolist()),
         controller=shop.mover.controller or usual_controller(world_name, shop.stiffness),
     )
-
-
-def _do_nothing() -> None:
-    """Nobody divides the windows of a single track."""
-
-
-def _grips(stint: Stint) -> bool:
-    """Whether a gripper closes or opens in these steps."""
-    return bool(np.ptp(stint.window.signals[GRIP.name]))
-
-
-def _near(one: WindowCut, other: WindowCut) -> bool:
-    """Whether processes of two channels may act at one place of a target in these windows."""
-    return any(_meet(a, b) for a in one.stints for b in other.stints)
-
-
-def _meet(a: Stint, b: Stint) -> bool:
-    if a.parts is not None and b.parts is not None:  # who takes or lets go may meet the other one
-        return any(_grips(own) for own in (a, b))
-    if (a.parts is not None and b.anew is not None and _grips(a)) or (
-        b.parts is not None and a.anew is not None and _grips(b)
-    ):  # what the one acts on may go away with the other
-        return True
-    both = a.holds.keys() & b.holds.keys()
-    if not both:
-        return False
-    if a.anew is not None or a.task.process.zone.everywhere or b.task.process.zone.everywhere:
-        return True
-    name = min(both)
-    (low, high), (least, most) = (own.holds[name].inverse().box(*own.bounds) for own in (a, b))
-    return bool((low < most).all() and (high > least).all())
 
 
 def pocket_of(shop: Shop, name: str) -> Pose:

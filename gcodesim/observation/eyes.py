@@ -24,7 +24,7 @@ from gcodesim.sensors.sensor import Sight
 
 if TYPE_CHECKING:
     from gcodesim.executor.record import StepRecord
-    from gcodesim.executor.track import Watcher
+    from gcodesim.executor.watcher import Watcher
     from gcodesim.executor.window import StepWindow
     from gcodesim.material.surface import Surface
     from gcodesim.planning import Plan

@@ -17,7 +17,7 @@ from gcodesim.observation.stage import Hand, Stage, stock_skin, surface_of
 
 if TYPE_CHECKING:
     from gcodesim.executor.record import StepRecord
-    from gcodesim.executor.track import Watcher
+    from gcodesim.executor.watcher import Watcher
     from gcodesim.executor.window import StepWindow
     from gcodesim.material.surface import Surface
     from gcodesim.planning import Plan

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from gcodesim.executor.loose_bodies import LooseBody
     from gcodesim.executor.record import StepRecord
     from gcodesim.executor.totals import JointTotals, RowTotals
-    from gcodesim.executor.track import Watcher
+    from gcodesim.executor.watcher import Watcher
     from gcodesim.planning import Plan
 
 

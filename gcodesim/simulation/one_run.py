@@ -17,7 +17,7 @@ from gcodesim.simulation.channel_run import ChannelRun
 if TYPE_CHECKING:
     from gcodesim.executor import Execution, Progress
     from gcodesim.executor.halt import RunHalt
-    from gcodesim.executor.track import Watcher
+    from gcodesim.executor.watcher import Watcher
     from gcodesim.jobs.results import Results
     from gcodesim.log.live import LiveView
     from gcodesim.observation.eyes import Eyes

@@ -20,7 +20,7 @@ from gcodesim.rs274 import Settings, interpret
 from gcodesim.shop import Shop, open_shop
 
 if TYPE_CHECKING:
-    from gcodesim.executor.track import Watcher
+    from gcodesim.executor.watcher import Watcher
 
     Show = Callable[[Job, Watcher | None], Watcher]
     """Puts a watcher that shows the run before the one that there is."""

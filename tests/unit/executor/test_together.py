@@ -13,8 +13,8 @@ import pytest
 from gcodesim.cell import load_cell
 from gcodesim.diagnostics import SourceText
 from gcodesim.executor import pacing
-from gcodesim.executor.track import Windows
 from gcodesim.executor.weave import Weave
+from gcodesim.executor.window_order import Windows
 from gcodesim.jobs.job import Options
 from gcodesim.log.logfile import LogFile
 from gcodesim.simulation import prepare, run
