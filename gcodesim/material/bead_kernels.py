@@ -21,6 +21,9 @@ from gcodesim.material.sweep_kernels import columns_across_x, columns_across_y, 
 Array = NDArray[np.float64]
 
 FULL = 1.0 - 1.0e-9  # a layer filled to this share counts as full
+TREMBLE = (
+    1.0e-6  # [m] pieces up to this long make no corners: a nozzle that stands on an arm trembles, and turns nowhere
+)
 SHARPEST = -0.6  # cosine of the turn (127 degrees) up to which the outside of a corner is a mitre
 
 
@@ -142,7 +145,7 @@ def add_piece(field: Field, strand: Strand, bead: Bead, trial: bool) -> float:
     if length <= 0.0:
         return 0.0
     _, _, _, vx, vy, next_length, _ = piece_of(end, following)
-    corner = next_length > 0.0
+    corner = min(length, next_length) > TREMBLE
     bend = ux * vx + uy * vy
     mitre = corner and bend >= SHARPEST
     wx0, wy0, _, wx, wy, before_length, _ = piece_of(previous, start)
@@ -187,8 +190,8 @@ def add_piece(field: Field, strand: Strand, bead: Bead, trial: bool) -> float:
             if thickness <= 0.0:
                 continue
             if trial:
-                full = count[i, j] == lo.shape[2]
-                if full and overlap(columns, i, j, tip - height, tip) == 0.0:
+                # the round side of a bead is a piece of its own also where its layer reaches into what is there
+                if count[i, j] == lo.shape[2] and overlap(columns, i, j, tip - height, tip) < height * FULL:
                     return -1.0
                 continue
             added = fill_layer(columns, i, j, tip, thickness, bead)

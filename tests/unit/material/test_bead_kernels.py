@@ -67,6 +67,28 @@ def test_a_wall_of_layers_is_one_solid():
     assert top_at(stock, 30 * MM, 10 * MM) == pytest.approx(20 * MM, abs=1e-9)
 
 
+@pytest.mark.parametrize("pieces", [1, 375])
+@pytest.mark.parametrize("depth", [1e-3, 0.02, 0.2])
+def test_a_bead_that_reaches_into_the_bed_loses_what_is_there_already(depth, pieces):
+    """The bed takes a strip of the straight part and the segments of both half rounds; columns had no room for more."""
+    stock = Stock.box((0, 0, 0), (60 * MM, 20 * MM, 5 * MM), 0.1 * MM)
+    x = np.linspace(5.0, 35.0, pieces + 1)
+    line = np.column_stack([x, np.full(len(x), 10.0), np.full(len(x), 8.0 - depth)]) * MM
+    laid = stock.add_bead(line[:-1], line[1:], 6 * MM, 3 * MM)
+    r = 1.5
+    segments = r * r * math.acos(1.0 - depth / r) - (r - depth) * math.sqrt(2.0 * r * depth - depth * depth)
+    lost = 30.0 * (3.0 * depth + segments)
+    assert (laid.nominal.sum() - laid.volume.sum()) / MM**3 == pytest.approx(lost, rel=0.12, abs=0.05)
+
+
+def test_a_nozzle_that_trembles_before_it_goes_lays_no_round_corner():
+    """Half a disc of 42 mm³ was laid where a piece of a nanometre had gone the other way."""
+    stock = Stock.empty((0, 0, 0), (60 * MM, 20 * MM, 10 * MM), 0.2 * MM)
+    ends = np.array([[20.0, 10.0, 3.0], [20.0 - 1e-6, 10.0, 3.0], [40.0, 10.0, 3.0]]) * MM
+    laid = stock.add_bead(ends[:-1], ends[1:], 6 * MM, 3 * MM)
+    assert laid.volume.sum() == pytest.approx(laid.nominal.sum(), rel=1e-3)
+
+
 def test_neighbouring_beads_share_the_room_of_their_layer():
     """Rows one width apart: what the grid cannot separate is not lost."""
     stock = Stock.empty((0, 0, 0), (60 * MM, 60 * MM, 10 * MM), 1 * MM)
