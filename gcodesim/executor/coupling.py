@@ -279,7 +279,23 @@ class Stretch:
 
         return restore
 
-    def finish(self) -> None:
-        """To be called after the world has moved step by step, when all answers are in."""
+    @property
+    def goes_along(self) -> bool:
+        """Whether something acts where the machine puts the tip; see `Stint.goes_along`."""
+        return any(stint.goes_along for stint in self.stints)
+
+    def take_parts(self) -> None:
+        """Let grippers take and let go what they do, before the world moves with it."""
         for stint in self.stints:
+            if stint.parts is not None:
+                stint.finish()
+
+    def finish(self, off: Array | None = None) -> None:
+        """To be called after the world has moved step by step, when all answers are in.
+
+        `off` (n + 1, 3) [m] in B is how far the tip was off its command at the beginning and at the end of each step.
+        """
+        for stint in self.stints:
+            if off is not None and stint.goes_along:
+                stint.shift(off)
             stint.finish()

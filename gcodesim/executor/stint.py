@@ -81,6 +81,11 @@ class Stint:
             self._keep(ProcessStep.joined(self._done))
             self.freed, self._freeing, self._done = self._freeing.freed, None, []
 
+    @property
+    def goes_along(self) -> bool:
+        """Whether it acts wherever the machine puts the tip, and nobody feels it: then it may act after the motion."""
+        return not self.task.process.pushes and self.parts is None and self.anew is None and self.answer is None
+
     def shift(self, bent: Array) -> None:
         """Act off the command by `bent` (n + 1, 3) [m] in B, at the beginning and at the end of each step."""
         window, step = self.window, self.window.piece_step

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Sequence
 from copy import copy
 from dataclasses import replace
 from operator import is_
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
@@ -43,6 +43,9 @@ if TYPE_CHECKING:
     from gcodesim.material.passes import Passes
     from gcodesim.planning import Plan
 
+
+ON_COMMAND: Final = 1e-9
+"""[m] within which a tip counts as where it is commanded to be."""
 
 Inspect = Callable[[StepRecord, RowTotals, JointTotals], Sequence[Diagnostic]]
 """Looks at each window and the totals so far; answers findings that are new."""
@@ -107,6 +110,9 @@ class Track:
         self._passes, self._number = passes or {}, number
         self.done = self.last_row = 0
         self.stands_at = self._home
+        self._off: tuple[Array, int] | None = (
+            None  # how far the tip was off its command at the end, and with which tool
+        )
         self.late_grips: list[GripEvent] = []
         self.freed: list[Freed] = []
 
@@ -221,6 +227,23 @@ class Track:
             self._reload(change, parts)
         self.attach(number)
         yield self.run_world(window, begin, stretch.end)
+
+    def off_command(self, window: StepWindow, stretch: Stretch, steps: WorldSteps) -> Array | None:
+        """How far (n + 1, 3) [m] in B the tip is off its command, before and at the end of each step of a stretch.
+
+        None where nothing asks, and where it is not off by more than rounding.
+        """
+        begin, self._off = self._off, None
+        if not stretch.goes_along:
+            return None
+        here = slice(stretch.begin, stretch.end)
+        off: Array = (self.plan.tip(steps.q, window.row[here]) - window.tip[here])[:, :3, 3]
+        if steps.gear is not None:
+            off = off + applied(self._coupling.tip_jacobian(window, stretch.begin, stretch.end), steps.gear)[:, :3]
+        before = off[:1] if begin is None or begin[1] != stretch.tool else begin[0]
+        self._off = (off[-1:], stretch.tool)
+        both = np.concatenate([before, off])
+        return both if np.abs(both).max() > ON_COMMAND else None
 
     def carry_on(self, stretch: Stretch) -> None:
         """After steps with force: what was taken or let go in them counts from the next stretch on."""

@@ -46,7 +46,7 @@ def _after_the_cut(
                     cutter.take_back(following)
                 cutter.take_back(cut, first=index)
                 moved.append(world.run(q, stretch))
-                _end(cut, stretch)
+                _end(track, cut, stretch, moved[-1])
                 cutter.cut(cut)
             track.carry_on(stretch)
         index += 1
@@ -59,11 +59,10 @@ def _with_the_cut(track: Track, cutter: CutThread, cut: WindowCut) -> WorldSteps
     index = 0
     while index < len(cut.stretches):
         stretch = cut.ready(index)
-        if stretch.pushes_alone and not stretch.pushes:  # what nobody feels goes by the command
-            stretch.finish()
-            moved.extend(track.move(stretch, cut.window))
-            stretch.settle()
-            cut.wrenches.append(NOTHING)
+        if stretch.pushes_alone and not stretch.pushes:  # nobody feels anything
+            stretch.take_parts()
+            moved.append(WorldSteps.joined(list(track.move(stretch, cut.window))))
+            _end(track, cut, stretch, moved[-1])
         else:
             track.attach(stretch.tool)
             try:
@@ -71,15 +70,15 @@ def _with_the_cut(track: Track, cutter: CutThread, cut: WindowCut) -> WorldSteps
             except NotAtOnce as some:
                 cut.stretches[index : index + 1] = stretch.divided(some.after)
                 continue
-            _end(cut, stretch)
+            _end(track, cut, stretch, moved[-1])
             track.carry_on(stretch)
         index += 1
     cutter.see(cut)
     return WorldSteps.joined(moved)
 
 
-def _end(cut: WindowCut, stretch: Stretch) -> None:
-    """A stretch has gone together with its cut."""
-    stretch.finish()
+def _end(track: Track, cut: WindowCut, stretch: Stretch, steps: WorldSteps) -> None:
+    """A stretch has gone together with its cut; what nobody feels acts where the tip then was."""
+    stretch.finish(track.off_command(cut.window, stretch, steps))
     stretch.settle()
     cut.wrenches.append(NOTHING)

@@ -115,6 +115,36 @@ def test_a_cut_is_deeper_by_what_the_arm_yields(tmp_path: Path, world: str) -> N
     assert 1e-9 * (volumes[1] - volumes[0]) == pytest.approx(bent * area, rel=0.12 if world == "kinematic" else 0.2)
 
 
+EXTRUDER = "2: {type: extruder, bead_width: 6 mm, bead_height: 3 mm, length: 60 mm}"
+
+
+def _laid(folder: Path, world: str, *, load: float) -> tuple[float, float]:
+    """Volume [mm³] of a bead that a script lays while it pulls at the tip, and how much of it found no room."""
+    path = _cell(folder, world=world)
+    path.write_text(path.read_text().replace("tools: {1", f"tools: {{{EXTRUDER}, 1"))
+    bead = gcodesim.ToolPath.from_points(1e-3 * np.array([[5.0, 10.0, 3.0], [35.0, 10.0, 3.0]]), feed=0.02)
+    with gcodesim.open_cell(path, world=world) as cell:
+        arm, tool = cell.robot(), cell.tool(2)
+        tool.couple(arm)
+        arm.run(gcodesim.ToolPath.from_points(1e-3 * np.array([[5.0, 10.0, 20.0], [5.0, 10.0, 3.0]]), feed=0.05))
+        tool.apply_tcp_force([0.0, 0.0, load])
+        cell.step(0.5)
+        tool.extrude(bead)
+    (told,) = (each for each in cell.results.as_json()["tools"] if "crowded_out_mm3" in each)
+    return 1e9 * cell.results.stocks["plate"].deposited, told["crowded_out_mm3"]
+
+
+def test_what_nobody_feels_acts_where_a_load_puts_the_tip(tmp_path: Path) -> None:
+    """A bead that is pressed into the plate loses what finds no room, in both worlds the same."""
+    free, lost = _laid(tmp_path, "bullet", load=0.0)
+    pressed = {world: _laid(tmp_path, world, load=-60.0) for world in ("kinematic", "bullet")}
+
+    assert lost < 0.2 and 12.0 < pressed["bullet"][1] < 16.0
+    assert pressed["bullet"][0] == pytest.approx(pressed["kinematic"][0], rel=2e-3)
+    assert pressed["bullet"][1] == pytest.approx(pressed["kinematic"][1], rel=0.05)
+    assert pressed["bullet"][0] == pytest.approx(free - pressed["bullet"][1], rel=1e-3)
+
+
 def test_a_program_switches_and_scales_it(tmp_path: Path) -> None:
     """The greatest force beside a cut in air: 0, then the load, then half of it and what E1 says."""
     more = dedent("""\
