@@ -34,6 +34,8 @@ _RUNGS: Final = 40  # of all chains together
 _FEWEST: Final = 3  # of one chain
 _SPINS: Final = 12  # all around, where the tool is free
 _PLACES: Final = (0, 13, 7, 5, 4, 3, 3)  # on the grid of each axis, by how many are chosen
+_MORE_PLACES: Final = (0, 25, 17, 5, 4, 3, 3)  # the same where ways between those do not lead through
+_SHORT: Final = 0.35  # [rad, m] that an axis may go from rung to rung then, where a step of the grid is more
 _FINER: Final = (0.5, 0.25)  # of a step of the grid, in the refinements
 _ROOM: Final = 0.25  # [rad] from limits beyond which more is no better
 _WIDE: Final = 2.5  # [rad] that a joint may turn between two rungs: these are far apart
@@ -119,19 +121,26 @@ def choose_places(
     for k, (a, b) in enumerate(probe.chains):
         share[a:b] = _shares(path, probe.row[a:b], probe.share[a:b])
         chosen = _rungs_between(a, b, len(values))
-        found = None
-        for avoided in dict.fromkeys((obstacles, None)):
-            search = _Search(probe, guide, values, chosen, spin, branches, avoided, tools)
-            found = search.best(before, pinned=held and k == 0)
-            if found is not None:
+        found, own = None, values
+        for avoided, finely in product(dict.fromkeys((obstacles, None)), (False, True)):
+            search = _Search(probe, guide, values, chosen, spin, branches, avoided, tools, finely=finely)
+            tried = search.best(before, pinned=held and k == 0)
+            if tried is None:
+                continue
+            along = values.copy()
+            for axis in np.flatnonzero(outside.columns == CHOSEN):
+                along[a:b, axis] = np.interp(share[a:b], share[chosen], tried[0][:, axis])
+            every = _Search(probe, guide, along, np.arange(a, b), spin, branches, None, tools)
+            leads = every.reaches_all()
+            if found is None or leads:
+                found, own = tried, along
+            if leads:
                 break
         knots.append(chosen if found is not None else chosen[:1])
         if found is None:
             continue  # what the arm does not reach from anywhere is told by its own search
-        places, q = found
-        for axis in np.flatnonzero(outside.columns == CHOSEN):
-            values[a:b, axis] = np.interp(share[a:b], share[chosen], places[:, axis])
-        before = values[b - 1], q[-1]
+        values = own
+        before = values[b - 1], found[1][-1]
     return ChosenPlaces(values, share, knots, probe.number)
 
 
@@ -225,6 +234,8 @@ class _Search:
         branches: tuple[int, ...] | None,
         obstacles: Obstacles | None,
         tools: Numbers,
+        *,
+        finely: bool = False,
     ) -> None:
         assert guide.outside is not None
         self.guide, self.outside, self.branches = guide, guide.outside, branches
@@ -238,7 +249,9 @@ class _Search:
         joints = self.outside.assembly.joints.part(self.outside.assembly.externals[self.free])
         self.low = np.where(np.isfinite(joints.lower), joints.lower, -0.5 * TURN)
         self.high = np.where(np.isfinite(joints.upper), joints.upper, 0.5 * TURN)
-        self.step = (self.high - self.low) / (_PLACES[len(self.free)] - 1)
+        self.count = (_MORE_PLACES if finely else _PLACES)[len(self.free)]
+        self.step = (self.high - self.low) / (self.count - 1)
+        self.far = np.minimum(self.step, _SHORT) if finely else self.step
 
     def best(self, before: tuple[Array, Array], *, pinned: bool) -> tuple[Array, Array] | None:
         """Values (r, e) of the external axes and joints (r, j) of the arm; None: there is no way."""
@@ -261,6 +274,11 @@ class _Search:
         places[first:, self.free] = np.clip(places[first:, self.free], self.low + edge, self.high - edge)
         return places, q
 
+    def reaches_all(self) -> bool:
+        """Whether the arm reaches all poses with external axes where their values have them."""
+        rungs, _ = self._rungs(self.values[:, None, self.free])
+        return bool(rungs.counts.all())
+
     def room(self) -> float:
         """The most room [rad] to limits of the arm on the grid of places; negative where there is no way."""
         rungs, values = self._rungs(self._everywhere())
@@ -270,8 +288,9 @@ class _Search:
 
     def _everywhere(self) -> Array:
         """All places of the chosen axes on the grid, for each rung (r, c, f)."""
-        count = _PLACES[len(self.free)]
-        grid = np.array(list(product(*(np.linspace(a, b, count) for a, b in zip(self.low, self.high, strict=True)))))
+        grid = np.array(
+            list(product(*(np.linspace(a, b, self.count) for a, b in zip(self.low, self.high, strict=True))))
+        )
         return np.tile(grid, (len(self.rows), 1, 1))
 
     def _bound(self, rungs: Rungs, values: Array) -> Array:
@@ -295,7 +314,7 @@ class _Search:
     def _apart(self) -> Array:
         """How far external axes (e,) may go from rung to rung: some steps of the grid, and what is commanded."""
         apart = np.abs(np.diff(self.values, axis=0)).max(axis=0, initial=0.0) + 1e-9
-        apart[self.free] = self.step
+        apart[self.free] = self.far
         bound: Array = apart
         return bound
 

@@ -233,3 +233,31 @@ def test_the_body_of_a_vehicle_goes_with_it_and_hits_what_it_drives_into(length:
 
     assert [(f.code, f.span.line) for f in job.findings if f.level > Severity.NOTE] == told
     assert all(f.message.startswith("hull hits bench_") for f in job.findings if f.code == "GS305")
+
+
+def test_a_free_table_finds_its_way_between_places_far_apart() -> None:
+    """Round a boss with the tool 63 degrees down: on the coarse grid C leaps by 120 degrees from rung to rung."""
+    cell = """gcodesim: 1
+dialect: fanuc
+robots: {arm: {model: staubli_tx2_90, stiffness: rigid}}
+externals:
+  table:
+    free: true
+    axes:
+      A: {travel: [-90, 90 deg], speed: 90 deg/s, acceleration: 300 deg/s^2, at: [0, 0, 40]}
+      C: {travel: [-360, 360 deg], speed: 120 deg/s, acceleration: 400 deg/s^2}
+    base: {in: world, xyz: [699.6, -5.4, 119.4]}
+work_offsets: {G54: {in: table, xyz: [0, 0, 60]}}
+tools: {1: {type: ball_end_mill, diameter: 8, flutes: 2, length: 60}}
+"""
+    lines = ["%", "O1", "G21 G90 G94 G54", "T1 M6", "G43.5 H1"]
+    for k in range(30):
+        turn = 0.2462 + 2.0 * pi * k / 29
+        x, y = 0.89216 * np.cos(turn), 0.89216 * np.sin(turn)
+        word = "G0" if k == 0 else "G1 F6000" if k == 1 else "G1"
+        lines.append(
+            f"{word} X{65.185 * x:.4f} Y{65.185 * y:.4f} Z{30 * np.sin(3 * turn):.4f} I{x:.6f} J{y:.6f} K0.451682"
+        )
+    job = planned("\n".join([*lines, "G49", "M30", "%", ""]), cell)
+
+    assert not [f.message for f in job.findings if f.code in ("GS202", "GS203", "GS205", "GS216")]
