@@ -17,6 +17,9 @@ SHARE = 0.618033988749895
 NARROWINGS = 24
 """After so many the place on a piece is known to a 100,000th."""
 
+LEVEL = 1.0e-12
+"""How far [m] along its axis a body goes that counts as going across it."""
+
 MOST_LOOKS = 64
 """Places at which a long piece is looked at first."""
 
@@ -66,24 +69,29 @@ def outline_distance(bodies: PassBodies, b: int, u: float, v: float) -> float:
 
 
 @kernel(lean=True)
-def pass_distance(pieces: PassPieces, bodies: PassBodies, c: int, t: float, point: Array) -> float:
-    """Distance [m] of a point (3,) from the body of piece c at the share t of its way."""
+def place_beside(pieces: PassPieces, lathe: bool, c: int, t: float, point: Array) -> tuple[float, float]:
+    """Where a point (3,) is, across and along [m], from the body of piece c at the share t of its way."""
     start, end = pieces.starts[c], pieces.ends[c]
     x = point[0] - start[0] - t * (end[0] - start[0])
     y = point[1] - start[1] - t * (end[1] - start[1])
     z = point[2] - start[2] - t * (end[2] - start[2])
-    b = int(pieces.body[c])
-    if bodies.lathe:  # tips are at (x, ., z), and the stock turns
+    if lathe:  # tips are at (x, ., z), and the stock turns
         r = float(np.sqrt(point[0] * point[0] + point[1] * point[1]))
-        return outline_distance(bodies, b, r - (point[0] - x), z)
+        return r - (point[0] - x), z
     first, last = pieces.axes_start[c], pieces.axes_end[c]
     ax = first[0] + t * (last[0] - first[0])
     ay = first[1] + t * (last[1] - first[1])
     az = first[2] + t * (last[2] - first[2])
     size = float(np.sqrt(ax * ax + ay * ay + az * az))
     along = (x * ax + y * ay + z * az) / size
-    across = max(x * x + y * y + z * z - along * along, 0.0)
-    return outline_distance(bodies, b, float(np.sqrt(across)), along)
+    return float(np.sqrt(max(x * x + y * y + z * z - along * along, 0.0))), along
+
+
+@kernel(lean=True)
+def pass_distance(pieces: PassPieces, bodies: PassBodies, c: int, t: float, point: Array) -> float:
+    """Distance [m] of a point (3,) from the body of piece c at the share t of its way."""
+    across, along = place_beside(pieces, bodies.lathe, c, t, point)
+    return outline_distance(bodies, int(pieces.body[c]), across, along)
 
 
 @kernel(lean=True)
@@ -94,12 +102,21 @@ def nearest_pass(
 
     Where it cannot be below `enough`, and once one is found that is no more than `satisfied`, it may be more.
     """
-    length = 0.0
-    bend = 0.0
+    length, bend, climb, foot = 0.0, 0.0, 0.0, 0.0
     for k in range(3):
-        way = pieces.ends[c, k] - pieces.starts[c, k]
+        way, axis = pieces.ends[c, k] - pieces.starts[c, k], pieces.axes_start[c, k]
         length += way * way
-        bend += abs(pieces.axes_end[c, k] - pieces.axes_start[c, k])
+        bend += abs(pieces.axes_end[c, k] - axis)
+        climb += way * axis
+        foot += way * (point[k] - pieces.starts[c, k])
+    if bend == 0.0 and abs(climb) <= LEVEL and not bodies.lathe:
+        # A body of revolution that goes across its axis is nearest where its axis is. The axis itself is no border of
+        # it, though outlines are closed along it.
+        share = min(max(foot / length, 0.0), 1.0) if length > 0.0 else 0.0
+        across, along = place_beside(pieces, bodies.lathe, c, share, point)
+        best = outline_distance(bodies, int(pieces.body[c]), across, along)
+        if best <= satisfied or across > -best:
+            return best
     length = np.sqrt(length)
     looks = max(2, min(MOST_LOOKS, 2 + int(2.0 * length / max(bodies.extent[pieces.body[c], 0], 1e-6))))
     best, at = np.inf, 0
