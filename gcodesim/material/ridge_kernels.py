@@ -1,15 +1,16 @@
-"""Ridges between rows of a round tool that are narrower than a cell, which the columns do not show as what they are.
+"""Ridges between rows of a round or a pointed tool that are narrower than a cell, which the columns do not show.
 
-Columns are exact at their centres. Between rows p apart a tool of radius R leaves ridges p^2 / (8 R) high. Where p is
-less than two cells, and cells and rows meet again after a few of them, all columns of a wide region stand at the same
-place of a row, or at places that change slowly: in the troughs, on the ridges, on flanks. Their heights tell of no wave
-(`wave_kernels`), and each may be off by -p^2 / (24 R) to p^2 / (12 R).
+Columns are exact at their centres. Between rows p apart a tool of radius R leaves ridges p^2 / (8 R) high, one whose
+flanks rise by c leaves ridges c p / 2 high. Where p is less than two cells, and cells and rows meet again after a few
+of them, all columns of a wide region stand at the same place of a row, or at places that change slowly: in the troughs,
+on the ridges, on flanks. Their heights tell of no wave (`wave_kernels`), and each may be off by a third of a ridge
+downwards to two thirds upwards, or by half of a pointed one.
 
-So a stock remembers, in patches of its columns, how much way round tools have cut with which radius. Where a patch has
-rows closer than `CLOSE` cells on the average, columns that hardly differ from their neighbours, by less than the ridge
-is high, count with p^2 / (12 R). A single trough bends by h^2 / R from column to column, which is more than that.
-Rows may have been cut twice, or in several levels; so p is taken to be up to `DOUBLE` times what the way says, at most
-`WIDEST` cells: wider rows are seen.
+So a stock remembers, in patches of its columns, how much way such tools have cut with which radius or rise. Where a
+patch has rows closer than `CLOSE` cells on the average, columns that hardly differ from their neighbours, by less than
+the ridge is high, count with two thirds of it. A single trough bends by h^2 / R from column to column, or by c h, which
+is more than that. What an earlier run has left counts where this one takes it away. Rows may have been cut twice, or in
+several levels; so p is taken to be up to `DOUBLE` times what the way says, at most `WIDEST` cells: wider rows are seen.
 """
 
 from __future__ import annotations
@@ -24,22 +25,24 @@ from gcodesim.material.field_kernels import PATCH, PATCH_SHIFT, Field, Grid
 
 Array = NDArray[np.float64]
 
-WAY, BEND, LOW = 0, 1, 2  # of a patch: way [m] that has cut, greatest 1/R [1/m], lowest tip [m]
-RIDGE_PLANES = 3
+WAY, BEND, LOW, RISE = 0, 1, 2, 3  # of a patch: way [m] that has cut, greatest 1/R [1/m], lowest tip [m], greatest c
+RIDGE_PLANES = 4
 
 CLOSE = 2.3  # cells from row to row, up to which rows are looked at
 WIDEST = 1.15  # cells
 DOUBLE = 1.5
 SHALLOW = 0.5  # of a ridge: columns that differ less from their neighbours may all stand at one place of their rows
-RIDGE = 1.0 / 12.0  # of p^2 / R
+RIDGE = 2.0 / 3.0  # of its height
 ALONG = 4.0  # parts of the way in a patch, each of which counts for one patch
 
 
 @kernel
-def note_way(grid: Grid, starts: Array, ends: Array, took: Array, bend: float, ridges: Array) -> None:
+def note_way(
+    grid: Grid, starts: Array, ends: Array, took: Array, bend: float, rise: float, ridges: Array
+) -> None:  # fmt: skip
     """Add straight pieces (c, 3) [m] that took material (c,) to `ridges` (RIDGE_PLANES, …) of the patches below them.
 
-    bend: 1/R of the tool's edge [1/m].
+    bend: 1/R of the tool's edge [1/m]; rise: that of its flanks [-].
     """
     wide = PATCH * min(grid.dx, grid.dy)
     for k in range(starts.shape[0]):
@@ -58,6 +61,7 @@ def note_way(grid: Grid, starts: Array, ends: Array, took: Array, bend: float, r
             ridges[LOW, i, j] = low if ridges[WAY, i, j] == 0.0 else min(ridges[LOW, i, j], low)
             ridges[WAY, i, j] += way / parts
             ridges[BEND, i, j] = max(ridges[BEND, i, j], bend)
+            ridges[RISE, i, j] = max(ridges[RISE, i, j], rise)
 
 
 @kernel
@@ -75,10 +79,14 @@ def row_distance(change: Array, way: float, cell: float, pi: int, pj: int) -> fl
 def bend_at(field: Field, change: Array, i: int, j: int) -> float:
     """By how much [m] the top of a column is off the middle of its neighbours in x and in y, one added to the other.
 
-    Negative where this cannot be said: at borders, beside walls and columns that were not cut.
+    A column at a border counts as the one beside it. Negative where this cannot be said: beside walls and columns that
+    were not cut.
     """
     nx, ny = change.shape
-    if i < 1 or j < 1 or i >= nx - 1 or j >= ny - 1 or field.columns.number[i, j] == 0 or change[i, j] == 0.0:
+    if nx < 3 or ny < 3:
+        return -1.0
+    i, j = min(max(i, 1), nx - 2), min(max(j, 1), ny - 2)
+    if field.columns.number[i, j] == 0 or change[i, j] == 0.0:
         return -1.0
     top = field.columns.hi[i, j, field.columns.number[i, j] - 1]
     off = 0.0
@@ -99,8 +107,9 @@ def bend_at(field: Field, change: Array, i: int, j: int) -> float:
 
 @kernel
 def steepness(field: Field, i: int, j: int) -> float:
-    """Square of the slope of the tops around a column that has neighbours."""
+    """Square of the slope of the tops around a column; at a border, around the one beside it."""
     columns, square = field.columns, 0.0
+    i, j = min(max(i, 1), columns.number.shape[0] - 2), min(max(j, 1), columns.number.shape[1] - 2)
     for axis in range(2):
         a, b = (1, 0) if axis == 0 else (0, 1)
         rise = columns.hi[i + a, j + b, columns.number[i + a, j + b] - 1]
@@ -111,16 +120,19 @@ def steepness(field: Field, i: int, j: int) -> float:
 
 
 @kernel
-def ridge_error(field: Field, change: Array, ridges: Array) -> float:
-    """Volume [m^3] by which material with ridges that the columns do not show may be off."""
+def ridge_error(field: Field, change: Array, cut: Array, ridges: Array) -> float:
+    """Volume [m^3] by which changed material with ridges that the columns do not show may be off.
+
+    `cut` (nx, ny) is not 0 where the tools of the ridges took something.
+    """
     cell = math.sqrt(field.grid.dx * field.grid.dy)
     total = 0.0
     for pi in range(ridges.shape[1]):
         for pj in range(ridges.shape[2]):
-            way, bend, low = ridges[WAY, pi, pj], ridges[BEND, pi, pj], ridges[LOW, pi, pj]
+            way, bend, low, rise = ridges[WAY, pi, pj], ridges[BEND, pi, pj], ridges[LOW, pi, pj], ridges[RISE, pi, pj]
             if way <= 0.0:
                 continue
-            apart = row_distance(change, way, cell, pi, pj)
+            apart = row_distance(cut, way, cell, pi, pj)
             if apart > CLOSE * cell:
                 continue
             wide = min(DOUBLE * apart, WIDEST * cell)
@@ -131,11 +143,11 @@ def ridge_error(field: Field, change: Array, ridges: Array) -> float:
                         continue
                     square = steepness(field, i, j)
                     lean = 1.0 + square
-                    high = 0.125 * bend * wide * wide * lean * math.sqrt(lean)
+                    high = max(0.125 * bend * wide * wide * lean * math.sqrt(lean), 0.5 * rise * wide)
                     if off > SHALLOW * high:
                         continue
                     top = field.columns.hi[i, j, field.columns.number[i, j] - 1]
                     if off == 0.0 and square == 0.0 and not low - high <= top <= low + high:
                         continue  # a floor of another tool
-                    total += 8.0 * RIDGE * high
+                    total += RIDGE * high
     return float(total * field.grid.dx * field.grid.dy)

@@ -99,13 +99,15 @@ class Stock:
     `first_walls` are those at the start, of a stock that was cut before.
     `doses` is what beams have given each column per area, (nx, ny), by the name of what is meant.
     `parting` looks in a run for pieces that come loose.
-    `ridges` are the ways of round tools by patches of columns (`ridge_kernels`), None before the first one.
+    `ridges` are the ways of round and pointed tools by patches of columns (`ridge_kernels`), None before the first one;
+    `first_ridges` are those at the start.
     """
 
     __slots__ = (
         "doses",
         "exact",
         "field",
+        "first_ridges",
         "first_walls",
         "lattice",
         "material",
@@ -139,6 +141,7 @@ class Stock:
         self.original = original if original is not None else _copied(columns)
         self.first_walls: Singles | None = None
         self.ridges: Array | None = None
+        self.first_ridges: Array | None = None
         nx, ny = columns.number.shape
         patches = (-(-nx // PATCH), -(-ny // PATCH))
         self.field = Field(
@@ -318,11 +321,34 @@ class Stock:
             return 0.0
         walls = self._new_walls()
         bound = float(error_bound(self.field._replace(walls=walls), change))
-        if self.ridges is None:
-            return bound
         from gcodesim.material.ridge_kernels import ridge_error
 
-        return bound + float(ridge_error(self.field._replace(walls=walls), change, self.ridges))
+        if self.ridges is not None:
+            bound += float(ridge_error(self.field._replace(walls=walls), change, change, self.ridges))
+        if self.first_ridges is not None:
+            standing = self.first_walls if self.first_walls is not None else np.zeros_like(walls)
+            first = self.field._replace(columns=self.original, walls=standing)
+            bound += float(ridge_error(first, change, np.ones_like(change), self.first_ridges))
+        return bound
+
+    def all_ridges(self) -> Array | None:
+        """The `ridges` that there are now: its own where this run has cut with such a tool, ways of whole patches."""
+        if self.ridges is None:
+            return self.first_ridges
+        from gcodesim.material.error_kernels import changes
+        from gcodesim.material.ridge_kernels import WAY
+
+        nx, ny = self.field.columns.number.shape
+        change = np.zeros((nx, ny))
+        changes(self.field.columns, self.original, change)
+        rows, columns = np.arange(0, nx, PATCH), np.arange(0, ny, PATCH)
+
+        def in_patches(cut: Array) -> Array:
+            return np.add.reduceat(np.add.reduceat(cut, rows, axis=0), columns, axis=1)
+
+        now = self.ridges.copy()
+        now[WAY] *= in_patches(np.ones_like(change)) / np.maximum(in_patches((change > 0.0).astype(float)), 1.0)
+        return now if self.first_ridges is None else np.where(now[WAY] > 0.0, now, self.first_ridges)
 
     def _new_walls(self) -> Singles:
         """The walls without what of them stood at the start, since that is on both sides of the change.
@@ -357,7 +383,7 @@ class Stock:
         twin.turn, twin.exact = self.turn.copy(), self.exact
         twin.doses = {name: dose.copy() for name, dose in self.doses.items()}
         twin.lattice = None if self.lattice is None else self.lattice.copy()
-        twin.ridges = None if self.ridges is None else self.ridges.copy()
+        twin.ridges, twin.first_ridges = None if self.ridges is None else self.ridges.copy(), self.first_ridges
         return twin
 
     def memento(self) -> Callable[[], None]:
@@ -413,14 +439,21 @@ class Stock:
             self.grow()
 
     def note_way(self, starts: Array, ends: Array, took: Array, shape: Shape) -> None:
-        """Remember pieces (c, 3) [m] of an upright tool that took material (c,), if round: that may leave ridges."""
-        if shape.corner <= 0.0 or not (took > 0.0).any():
+        """Remember pieces (c, 3) [m] of an upright tool that took material (c,), if it leaves ridges: round or pointed.
+
+        Of rows no wider than what is looked at, a flat tip leaves no ridges or lower ones.
+        """
+        from gcodesim.material.ridge_kernels import CLOSE, RIDGE_PLANES, note_way
+
+        half = 0.5 * CLOSE * self.cell
+        rise = shape.rise * max(half - shape.flat, 0.0) / half
+        if (shape.corner <= 0.0 and rise <= 0.0) or not (took > 0.0).any():
             return
-        from gcodesim.material.ridge_kernels import RIDGE_PLANES, note_way
 
         if self.ridges is None:
             self.ridges = np.zeros((RIDGE_PLANES, *self.field.dirty.shape))
-        note_way(self.field.grid, starts, ends, took, 1.0 / shape.corner, self.ridges)
+        bend = 1.0 / shape.corner if shape.corner > 0.0 else 0.0
+        note_way(self.field.grid, starts, ends, took, bend, rise, self.ridges)
 
     def sweep(self, way: AxisWay, slabs: Array) -> Array:
         """Cut along c pieces with an axis of any direction, which may turn; volume (c,) [m^3] that each takes.

@@ -2,7 +2,7 @@
 
 A line of text, a line of JSON with sorted keys, then the arrays as
 little-endian bytes, compressed by zlib: count, then the intervals of all
-columns one after the other, then the walls; then, where the stock has them, count and
+columns one after the other, then the walls; then, where the stock has them, the ridges, count and
 intervals of the columns along x and of those along y. Only what is used is stored, and equal stocks give
 equal bytes.
 """
@@ -15,13 +15,17 @@ from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gcodesim.files.whole_file import write_whole
-from gcodesim.material.field_kernels import Columns, Grid
+from gcodesim.material.field_kernels import PATCH, Columns, Grid
 from gcodesim.material.lattice import Lattice, field_of, own_columns
+from gcodesim.material.ridge_kernels import RIDGE_PLANES
 from gcodesim.material.stock import Stock
 from gcodesim.material.wall_kernels import TURNED_PLANES, WALL_PLANES
 from gcodesim.numbers import read_json
+
+Array = NDArray[np.float64]
 
 SUFFIX = ".stock"
 _MAGIC = b"gcodesim-stock/2\n"
@@ -57,6 +61,10 @@ def save_stock(stock: Stock, path: Path) -> None:
         walls.astype("<f4"),
     )
     body = b"".join(array.tobytes() for array in arrays)
+    ridges = stock.all_ridges()
+    if ridges is not None:
+        head["ridges"] = len(ridges)
+        body += ridges.astype("<f4").tobytes()
     if stock.lattice is not None:
         head["offset_m3"] = float(stock.lattice.offset)
         head["across"] = [[*map(float, f.grid), *f.columns.number.shape] for f in stock.lattice.fields]
@@ -130,6 +138,7 @@ def stock_from_bytes(raw: bytes, name: str) -> Stock:
             raise ValueError(f"{planes} planes of walls are none that gcodesim writes")
         packed_walls = unpacking.take(4 * planes * (nx + 1) * (ny + 1))
         walls = np.frombuffer(packed_walls, "<f4").astype(np.float32).reshape(planes, nx + 1, ny + 1)
+        ridges = _ridges(unpacking, int(head.get("ridges", 0)), nx, ny)
         grid = np.array(head["grid_m"], dtype=np.float64)
         z_range = (float(head["z_range_m"][0]), float(head["z_range_m"][1]))
         resolution, material = float(head["resolution_m"]), str(head["material"])
@@ -149,10 +158,22 @@ def stock_from_bytes(raw: bytes, name: str) -> Stock:
         raise StockFileError(f"{name} is damaged: its parts do not fit together")
     stock = Stock(columns=columns, grid=Grid(*grid.tolist()), z_range=z_range, resolution=resolution, material=material)
     stock.begin_with(walls)
+    stock.first_ridges = ridges
     stock.turn = turn
     if len(fields) == 2:
         stock.lattice = Lattice(fields, (own_columns(fields[0]), own_columns(fields[1])), offset)
     return stock
+
+
+def _ridges(unpacking: _Unpacking, planes: int, nx: int, ny: int) -> Array | None:
+    """The ridges by patches of nx × ny columns; None where no planes of them are there."""
+    if planes == 0:
+        return None
+    if planes != RIDGE_PLANES:
+        raise ValueError(f"{planes} planes of ridges are none that gcodesim writes")
+    patches = (-(-nx // PATCH), -(-ny // PATCH))
+    packed = unpacking.take(4 * planes * patches[0] * patches[1])
+    return np.frombuffer(packed, "<f4").astype(np.float64).reshape(planes, *patches)
 
 
 def _revolved(raw: bytes, name: str) -> Stock:

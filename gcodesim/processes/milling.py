@@ -230,7 +230,7 @@ class Milling(Process):
             done = mill(stock.view(motion.axis[0]), self.packed_tool, motion, self._room, state.values, out)
             if done == steps:
                 shape = self.packed_tool.cutter
-                if shape.corner > 0.0:
+                if shape.corner > 0.0 or shape.rise > 0.0:
                     took = np.repeat(out[:, REMOVED], np.diff(motion.first_piece))
                     own = slice(int(motion.first_piece[0]), int(motion.first_piece[-1]))
                     stock.note_way(motion.starts[own], motion.ends[own], took, shape)

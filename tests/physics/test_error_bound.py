@@ -211,6 +211,43 @@ def test_rows_that_meet_every_column_alike(share: float, along: int) -> None:
     assert max(shares) <= 1.0
 
 
+def rows_of_a_cone(stock: Stock, pitch: float, size: tuple[float, float], flat: float) -> float:
+    """Cut a block with a pointed tool of 90 degrees in rows, 1 mm deep; the volume [mm³] that this takes."""
+    rows = np.arange(0.3 * pitch - 9.0, size[1] + 9.0, pitch)
+    for y in rows:
+        cut(stock, [[-9, y, -1], [size[0] + 9, y, -1]], shape.cone(6 * MM, math.pi / 2, 30 * MM, 2 * flat * MM))
+    ends = np.r_[0.0, [y for y in 0.5 * (rows[1:] + rows[:-1]) if 0 < y < size[1]], size[1]]
+    nearest = rows[np.abs(rows[:, None] - 0.5 * (ends[1:] + ends[:-1])).argmin(axis=0)]
+    under = lambda u: 0.5 * np.sign(u) * np.maximum(np.abs(u) - flat, 0.0) ** 2  # noqa: E731
+    return size[0] * float(size[1] - (under(ends[1:] - nearest) - under(ends[:-1] - nearest)).sum())
+
+
+@pytest.mark.parametrize("share", [0.34, 0.5, 0.99, 1.0, 1.3, 2.0])
+@pytest.mark.parametrize("flat", [0.0, 0.1])
+def test_rows_of_a_pointed_tool(share: float, flat: float) -> None:
+    """Its ridges were in no bound: the error was a hundred times what was said."""
+    for cell in (0.25, 0.31, 0.47):
+        size = (20 * cell, 40 * cell)
+        stock = Stock.box((0, 0, -6 * MM), (size[0] * MM, size[1] * MM, 0), cell * MM)
+        exact = rows_of_a_cone(stock, share * cell, size, flat)
+        assert abs(size[0] * size[1] * 6 - stock.volume / MM3 - exact) <= stock.error_bound() / MM3
+
+
+@pytest.mark.parametrize("share", [0.5, 1.0])
+def test_ridges_of_an_earlier_run_that_are_taken_away(tmp_path: Path, share: float) -> None:
+    """The file of the stock knows of them."""
+    for cell in (0.31, 0.47):
+        size = (20 * cell, 40 * cell)
+        stock = Stock.box((0, 0, -6 * MM), (size[0] * MM, size[1] * MM, 0), cell * MM)
+        left = size[0] * size[1] * 6 - rows_of_a_cone(stock, share * cell, size, 0.0)
+        stock = handed_on(stock, tmp_path)
+        before = stock.volume / MM3
+        for y in np.arange(0, size[1] + 6, 6):
+            cut(stock, [[-9, y, -2], [size[0] + 9, y, -2]], shape.flat(8 * MM, 30 * MM))
+        exact = left - size[0] * size[1] * 4
+        assert abs(before - stock.volume / MM3 - exact) <= stock.error_bound() / MM3
+
+
 def cusps_of(rows: np.ndarray, width: float, radius: float) -> float:
     """Section [mm²] of what a ball leaves between rows along a face of some width."""
     ends = np.r_[0.0, [y for y in 0.5 * (rows[1:] + rows[:-1]) if 0 < y < width], width]

@@ -175,10 +175,11 @@ G.targetTable = (place, run) => {
   const view = () => G.views.find((one) => one.run === run), signed = (v) => `${v < 0 ? "−" : "+"}${G.number(Math.abs(v), 3)}`;
   const share = `${G.number(100 * target.share_outside, 2)} % of the target beyond ${G.short(target.tolerance_mm)} mm`;
   const lines = (region) => region.lines.length ? region.lines.slice(0, 4).map((one) => one.line).join(", ") + (region.lines.length > 4 ? " …" : "") : region.line ? `${region.line}?` : "–";
+  const others = (region) => (region.others ?? []).slice(0, 4).map((one) => one.line).join(", ") + ((region.others ?? []).length > 4 ? " …" : "");
   G.table(place, `${G.runs.length > 1 ? `${run.name}: ` : ""}Part against target`, `${signed(target.least_deviation_mm)} to ${signed(target.most_deviation_mm)} mm, ${share}`,
-    [["", "l"], ["mm"], ["mm³"], ["at"], ["lines"], ["tool"]],
+    [["", "l"], ["mm"], ["mm³"], ["at"], ["lines"], ["also"], ["tool"]],
     target.regions.map((region, number) => ({
-      cells: [region.kind, G.number(region.depth_mm, 3), G.number(region.volume_mm3, 1), `${region.system} X${G.short(region.x_mm)} Y${G.short(region.y_mm)} Z${G.short(region.z_mm)}`, lines(region), region.tool === null ? "–" : `T${region.tool}`],
+      cells: [region.kind, G.number(region.depth_mm, 3), G.number(region.volume_mm3, 1), `${region.system} X${G.short(region.x_mm)} Y${G.short(region.y_mm)} Z${G.short(region.z_mm)}`, lines(region), others(region), region.tool === null ? "–" : `T${region.tool}`],
       go: () => {
         const t = region.line ? G.firstOf(run, region.file, region.line) : null;
         if (t !== null) G.seek(t + 1e-6);

@@ -193,8 +193,11 @@ def _write_dialect(dialect: Dialect, modes: Column) -> None:
     ]
     modes[at.PLAIN_LETTERS] = sum(1 << (ord(letter) - ord("a")) for letter in known)
     modes[at.COMPUTES : at.BY_START + 1] = (
-        dialect.computes, 810 in dialect.g_groups, dialect.arcs_name_axes, dialect.arc_miss is not None,
-    )  # fmt: skip
+        dialect.computes,
+        not _KNOWN_CYCLES.isdisjoint(dialect.g_groups),
+        dialect.arcs_name_axes,
+        dialect.arc_miss is not None,
+    )
 
 
 def _write_state(control: Control, numbers: Column, modes: Column) -> None:

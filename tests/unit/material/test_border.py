@@ -90,7 +90,18 @@ def test_the_test_sees_it(text: str) -> None:
 def test_a_stock_has_no_array_but_its_field() -> None:
     """What everybody may ask for is no array that a cut changes."""
     assert set(Stock.__slots__) == {
-        *("doses", "exact", "field", "first_walls", "lattice", "material", "original", "parting", "resolution"),
+        *(
+            "doses",
+            "exact",
+            "field",
+            "first_ridges",
+            "first_walls",
+            "lattice",
+            "material",
+            "original",
+            "parting",
+            "resolution",
+        ),
         *("ridges", "turn", "z_range"),
     }
     assert get_type_hints(Stock.view)["return"] is Field
