@@ -21,9 +21,7 @@ from gcodesim.material.sweep_kernels import columns_across_x, columns_across_y, 
 Array = NDArray[np.float64]
 
 FULL = 1.0 - 1.0e-9  # a layer filled to this share counts as full
-TREMBLE = (
-    1.0e-6  # [m] pieces up to this long make no corners: a nozzle that stands on an arm trembles, and turns nowhere
-)
+TREMBLE = 1.0e-8  # [m] pieces up to this long have no direction: a nozzle that stands on an arm trembles
 SHARPEST = -0.6  # cosine of the turn (127 degrees) up to which the outside of a corner is a mitre
 
 
@@ -37,7 +35,8 @@ class Bead(NamedTuple):
 
 class Strand(NamedTuple):
     """A piece of a strand with its neighbours (3,) [m]: where the piece before it begins, where it begins and ends
-    itself, and where the piece after it ends. Without neighbours `previous` is `start`, `following` is `end`."""
+    itself, and where the piece after it ends. Without neighbours `previous` is `start`, `following` is `end`; pieces
+    that only tremble are none."""
 
     previous: Array
     start: Array
@@ -213,10 +212,18 @@ def add_bead(field: Field, starts: Array, ends: Array, bead: Bead, first: int, v
     pieces = len(starts)
     for p in range(first, pieces):
         previous, following = starts[p], ends[p]
-        if p > 0 and np.max(np.abs(starts[p] - ends[p - 1])) < bead.fuse:
-            previous = starts[p - 1]
-        if p + 1 < pieces and np.max(np.abs(starts[p + 1] - ends[p])) < bead.fuse:
-            following = ends[p + 1]
+        k = p
+        while k > 0 and np.max(np.abs(starts[k] - ends[k - 1])) < bead.fuse:
+            k -= 1
+            previous = starts[k]
+            if np.max(np.abs(previous - starts[p])) > TREMBLE:
+                break
+        k = p
+        while k + 1 < pieces and np.max(np.abs(starts[k + 1] - ends[k])) < bead.fuse:
+            k += 1
+            following = ends[k]
+            if np.max(np.abs(following - ends[p])) > TREMBLE:
+                break
         for trial in (True, False):
             added = add_piece(field, Strand(previous, starts[p], ends[p], following), bead, trial)
             if added < 0.0:

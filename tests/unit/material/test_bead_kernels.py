@@ -89,6 +89,18 @@ def test_a_nozzle_that_trembles_before_it_goes_lays_no_round_corner():
     assert laid.volume.sum() == pytest.approx(laid.nominal.sum(), rel=1e-3)
 
 
+@pytest.mark.parametrize("tail", [0.5e-3, 1e-6])
+def test_a_corner_behind_a_short_last_piece_is_filled(tail):
+    """Slowing down to a stop ends in pieces of any size."""
+    corner = [(20.0, 20.0, 3.0), (40.0, 20.0, 3.0), (40.0, 40.0, 3.0)]
+    with_tail = [corner[0], (40.0 - tail, 20.0, 3.0), *corner[1:]]
+    volumes = []
+    for places in (corner, with_tail):
+        stock, ends = Stock.empty((0, 0, 0), (60 * MM, 60 * MM, 10 * MM), 0.2 * MM), np.array(places) * MM
+        volumes.append(stock.add_bead(ends[:-1], ends[1:], 6 * MM, 3 * MM).volume.sum())
+    assert volumes[1] == pytest.approx(volumes[0], rel=1e-3)
+
+
 def test_neighbouring_beads_share_the_room_of_their_layer():
     """Rows one width apart: what the grid cannot separate is not lost."""
     stock = Stock.empty((0, 0, 0), (60 * MM, 60 * MM, 10 * MM), 1 * MM)
