@@ -21,7 +21,7 @@ from gcodesim.material.sweep_kernels import columns_across_x, columns_across_y, 
 Array = NDArray[np.float64]
 
 FULL = 1.0 - 1.0e-9  # a layer filled to this share counts as full
-TREMBLE = 1.0e-8  # [m] pieces up to this long have no direction: a nozzle that stands on an arm trembles
+TREMBLE = 1.0e-6  # [m] pieces up to this long have no direction: a nozzle that stands on an arm trembles
 SHARPEST = -0.6  # cosine of the turn (127 degrees) up to which the outside of a corner is a mitre
 
 

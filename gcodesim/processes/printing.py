@@ -76,7 +76,7 @@ def _out_of_place(rows: Rows, volume: Array, kind: tuple[str, str, str, str]) ->
     code, name, what, hint = kind
     lost = rows[name]
     if float(lost.sum()) > _WORTH * total:
-        blamed = laying[lost[laying] > 0.0]
+        blamed = laying[lost[laying] > _WORTH * volume[laying]]
         yield rows.told(
             blamed if len(blamed) else np.flatnonzero(lost > 0.0),
             code,
