@@ -110,9 +110,8 @@ class Track:
         self._passes, self._number = passes or {}, number
         self.done = self.last_row = 0
         self.stands_at = self._home
-        self._off: tuple[Array, int] | None = (
-            None  # how far the tip was off its command at the end, and with which tool
-        )
+        # how far the tip was off its command at the end of the last steps, and with which tool
+        self._off: tuple[Array, int] | None = None
         self.late_grips: list[GripEvent] = []
         self.freed: list[Freed] = []
 

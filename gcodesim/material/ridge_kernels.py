@@ -37,9 +37,7 @@ ALONG = 4.0  # parts of the way in a patch, each of which counts for one patch
 
 
 @kernel
-def note_way(
-    grid: Grid, starts: Array, ends: Array, took: Array, bend: float, rise: float, ridges: Array
-) -> None:  # fmt: skip
+def note_way(grid: Grid, starts: Array, ends: Array, took: Array, bend: float, rise: float, ridges: Array) -> None:
     """Add straight pieces (c, 3) [m] that took material (c,) to `ridges` (RIDGE_PLANES, …) of the patches below them.
 
     bend: 1/R of the tool's edge [1/m]; rise: that of its flanks [-].

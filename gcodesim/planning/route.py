@@ -6,6 +6,7 @@ the search finds there says how the tool turns along the path and where the join
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
@@ -200,9 +201,10 @@ def dead_end(
     if obstacles is not None:
         obstacles = obstacles.with_round_tools()
     dense = nodes.denser(chain, TRIALS[0][0])
-    looked = _LongestPart.on(kinematics, flange, dense, chain, free=free, branches=branches, obstacles=obstacles)
+    look = partial(_LongestPart.on, kinematics, flange, chain=chain, free=free, branches=branches, obstacles=obstacles)
+    looked = look(nodes=dense)
     if looked.whole:
-        looked = _LongestPart.on(kinematics, flange, nodes, chain, free=free, branches=branches, obstacles=obstacles)
+        looked = look(nodes=nodes)
     places, chosen, cut, ladder, (prefix, first, last) = looked
     if looked.whole:  # rungs have a way, the nodes between do not
         end = int(chosen[-1])

@@ -20,8 +20,19 @@ from numpy.typing import NDArray
 
 from gcodesim.arithmetic.elementary import acos, asin, cos, cos_sin, power, sin, tan
 from gcodesim.frozen import frozen
-from gcodesim.processes import constant_cut_kernels as k
-from gcodesim.processes.constant_cut_kernels import COLUMNS, SUMS, add_elements
+from gcodesim.processes.constant_cut_kernels import (
+    CHIP,
+    COLUMNS,
+    COS_KAPPA,
+    COS_PHI,
+    RADIUS,
+    SENSE,
+    SIN_KAPPA,
+    SIN_PHI,
+    SUMS,
+    WIDTH,
+    add_elements,
+)
 from gcodesim.processes.drill_point import chisel_push, edge_law
 from gcodesim.processes.laws import Kienzle, Law
 from gcodesim.processes.uneven import senses_of
@@ -219,16 +230,16 @@ def _elements(
 
     `along`: chips are as thick already as the edge is fed along its normal.
     """
-    out = np.empty((*chip.shape, k.COLUMNS))
+    out = np.empty((*chip.shape, COLUMNS))
     cos_phi, sin_phi = cos_sin(np.ascontiguousarray(phi))
     cos_kappa, sin_kappa = cos_sin(nodes.kappa)
     cos_kappa[np.abs(cos_kappa) < _UPRIGHT] = 0.0
-    out[..., k.RADIUS], out[..., k.WIDTH] = nodes.r, width
-    out[..., k.SIN_KAPPA], out[..., k.COS_KAPPA] = sin_kappa, cos_kappa
-    out[..., k.SIN_PHI], out[..., k.COS_PHI] = sin_phi, cos_phi
-    out[..., k.SENSE] = sense
-    out[..., k.CHIP] = np.where(chip < 0.0, -1.0, chip if along else chip * sin_kappa)
-    return out.reshape(-1, k.COLUMNS)
+    out[..., RADIUS], out[..., WIDTH] = nodes.r, width
+    out[..., SIN_KAPPA], out[..., COS_KAPPA] = sin_kappa, cos_kappa
+    out[..., SIN_PHI], out[..., COS_PHI] = sin_phi, cos_phi
+    out[..., SENSE] = sense
+    out[..., CHIP] = np.where(chip < 0.0, -1.0, chip if along else chip * sin_kappa)
+    return out.reshape(-1, COLUMNS)
 
 
 def _summed(law: Law, parts: list[Array]) -> tuple[Array, float]:
